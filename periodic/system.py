@@ -1,0 +1,136 @@
+"""The one definition that every other package shares: a linear system with periodic stiffness."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from periodic.checks import FloatArray, real_array
+
+# Entries that should agree by symmetry may differ by this much of the largest entry: well above what assembling
+# and transforming a matrix in float64 loses, well below any asymmetry that is meant.
+SYMMETRY_TOLERANCE = 1e-10
+
+
+class SystemFamily(Protocol):
+    """Anything that gives the `PeriodicSystem` valid at an excitation frequency.
+
+    Only ``cosine`` and ``sine`` may depend on ``Omega`` (a plate whose in-plane stress has inertia); mass, gyroscopic,
+    damping and stiffness matrices are the same at every frequency, so that the system has one set of modes.
+    """
+
+    def at(self, Omega: float) -> PeriodicSystem:
+        """Return the system at excitation frequency ``Omega``."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class PeriodicSystem:
+    """M W'' + (G + C) W' + (K + eps sum_j [F_cj cos(j Omega t) + F_sj sin(j Omega t)]) W = 0.
+
+    The form of eq. (11) of Young, Huang and Chiu; any linear system with periodic stiffness has it.
+    Arrays are copied, checked and made read-only. Any consistent units.
+
+    Parameters
+    ----------
+    mass : array_like, shape (n, n)
+        M, symmetric positive definite.
+    gyroscopic : array_like, shape (n, n)
+        G, skew-symmetric. The plate's V G_o.
+    damping : array_like, shape (n, n)
+        C, symmetric. The plate's c K_oe.
+    stiffness : array_like, shape (n, n)
+        K, any real matrix. The plate's K_o.
+    cosine : array_like, shape (J, n, n)
+        F_cj for j = 1..J, any real matrices. The plate's f0 F_cj.
+    sine : array_like, shape (J, n, n), optional
+        F_sj for j = 1..J; zero if left out.
+
+    Attributes
+    ----------
+    size : int
+        n, the number of coordinates.
+    harmonics : int
+        J, the number of harmonics of the excitation.
+
+    Raises
+    ------
+    ValueError
+        If a matrix has the wrong shape, type, symmetry or definiteness, or an entry that is not finite.
+    """
+
+    mass: FloatArray
+    gyroscopic: FloatArray
+    damping: FloatArray
+    stiffness: FloatArray
+    cosine: FloatArray
+    sine: FloatArray
+
+    def __init__(
+        self,
+        mass: ArrayLike,
+        gyroscopic: ArrayLike,
+        damping: ArrayLike,
+        stiffness: ArrayLike,
+        cosine: ArrayLike,
+        sine: ArrayLike | None = None,
+    ) -> None:
+        M = real_array("mass", mass, 2)
+        n = M.shape[0]
+        if n == 0 or M.shape != (n, n):
+            raise ValueError(f"mass has shape {M.shape}; give a square matrix")
+        M = _symmetric("mass", M, 1)
+        lowest = float(np.linalg.eigvalsh(M)[0])
+        if lowest <= 0 or lowest <= np.finfo(float).eps * np.abs(M).max():
+            raise ValueError(f"mass has the eigenvalue {lowest:.6g}; give a positive definite matrix")
+        G = _symmetric("gyroscopic", _square("gyroscopic", gyroscopic, n), -1)
+        C = _symmetric("damping", _square("damping", damping, n), 1)
+        K = _square("stiffness", stiffness, n)
+        Fc = _harmonics("cosine", cosine, n)
+        Fs = np.zeros_like(Fc) if sine is None else _harmonics("sine", sine, n)
+        if Fs.shape != Fc.shape:
+            raise ValueError(f"sine has shape {Fs.shape}; give the shape of cosine, {Fc.shape}")
+        arrays = {"mass": M, "gyroscopic": G, "damping": C, "stiffness": K, "cosine": Fc, "sine": Fs}
+        for name, array in arrays.items():
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates n."""
+        return int(self.mass.shape[0])
+
+    @property
+    def harmonics(self) -> int:
+        """Number of harmonics J."""
+        return int(self.cosine.shape[0])
+
+    def at(self, Omega: float) -> PeriodicSystem:
+        """Return the system itself: its matrices do not depend on the frequency (`SystemFamily`)."""
+        return self
+
+
+def _square(name: str, value: ArrayLike, n: int) -> FloatArray:
+    array = real_array(name, value, 2)
+    if array.shape != (n, n):
+        raise ValueError(f"{name} has shape {array.shape}; give ({n}, {n}), as mass has")
+    return array
+
+
+def _symmetric(name: str, array: FloatArray, sign: int) -> FloatArray:
+    """Return the exactly (skew-)symmetric matrix next to ``array``; refuse what differs by more than rounding."""
+    defect = float(np.abs(array - sign * array.T).max())
+    if defect > SYMMETRY_TOLERANCE * np.abs(array).max():
+        kind = "symmetric" if sign > 0 else "skew-symmetric"
+        raise ValueError(f"{name} is not {kind} (largest defect {defect:.3g}); give a {kind} matrix")
+    return 0.5 * (array + sign * array.T)
+
+
+def _harmonics(name: str, value: ArrayLike, n: int) -> FloatArray:
+    array = real_array(name, value, 3)
+    if array.shape[0] == 0 or array.shape[1:] != (n, n):
+        raise ValueError(f"{name} has shape {array.shape}; give (J, {n}, {n}) with J >= 1 harmonics")
+    return array
