@@ -20,9 +20,10 @@ def real_number(name: str, value: Any, *, positive: bool = False, nonnegative: b
         If ``value`` is no real number, is NaN or infinite, or has the wrong sign.
     """
     wanted = "a positive number" if positive else "a number >= 0" if nonnegative else "a finite real number"
-    if isinstance(value, bool | np.bool_ | str | bytes | complex) or np.ndim(value) != 0:
-        raise ValueError(f"{name} = {value!r} is not a number; give {wanted}")
     try:
+        raw = np.asarray(value)
+        if raw.ndim != 0 or raw.dtype.kind not in "fiuO":  # O: Python's own number types, such as Fraction
+            raise TypeError
         number = float(value)
     except (TypeError, ValueError, OverflowError):
         raise ValueError(f"{name} = {value!r} is not a number; give {wanted}") from None
@@ -68,12 +69,7 @@ def real_array(name: str, value: ArrayLike, ndim: int) -> FloatArray:
     ValueError
         If ``value`` is not numeric, is complex, has another number of axes, or holds NaN or infinity.
     """
-    try:
-        raw = np.asarray(value)
-    except ValueError:
-        raise ValueError(f"{name} is ragged; give an array with {ndim} axes of equal rows") from None
-    if raw.dtype.kind not in "fiu":
-        raise ValueError(f"{name} has entries of type {raw.dtype}; give real numbers")
+    raw = _numeric(name, value)
     if raw.ndim != ndim:
         raise ValueError(f"{name} has shape {raw.shape}; give an array with {ndim} axes")
     array = np.array(raw, dtype=np.float64, order="C")
@@ -91,7 +87,7 @@ def grid(name: str, value: ArrayLike, *, positive: bool = False) -> FloatArray:
     ValueError
         As `real_array`, or if empty, not strictly increasing, or (``positive``) not above zero.
     """
-    array = real_array(name, np.atleast_1d(np.asarray(value)), 1)
+    array = real_array(name, np.atleast_1d(_numeric(name, value)), 1)
     if array.size == 0:
         raise ValueError(f"{name} is empty; give at least one value")
     if (np.diff(array) <= 0).any():
@@ -119,3 +115,14 @@ def interval(name: str, value: Any, *, nonnegative: bool = False) -> tuple[float
     if low >= high:
         raise ValueError(f"{name} = ({low!r}, {high!r}) is empty; give low < high")
     return low, high
+
+
+def _numeric(name: str, value: ArrayLike) -> NDArray[Any]:
+    """Return ``value`` as an array of real numbers, its own memory where it is one already."""
+    try:
+        raw = np.asarray(value)
+    except ValueError:
+        raise ValueError(f"{name} is ragged; give rows of equal length") from None
+    if raw.dtype.kind not in "fiu":
+        raise ValueError(f"{name} has entries of type {raw.dtype}; give real numbers")
+    return raw
