@@ -117,6 +117,16 @@ def interval(name: str, value: Any, *, nonnegative: bool = False) -> tuple[float
     return low, high
 
 
+def is_positive_definite(matrix: FloatArray) -> bool:
+    """Whether a symmetric matrix is positive definite beyond rounding, whatever the units of its coordinates."""
+    diagonal = np.diagonal(matrix)
+    if (diagonal <= 0).any():
+        return False
+    scale = 1.0 / np.sqrt(diagonal)  # brings every coordinate to one unit, so that their mixture hides no direction
+    lowest = np.linalg.eigvalsh(matrix * scale[:, None] * scale)[0]
+    return bool(lowest > len(matrix) * np.finfo(float).eps)
+
+
 def _numeric(name: str, value: ArrayLike) -> NDArray[Any]:
     """Return ``value`` as an array of real numbers, its own memory where it is one already."""
     try:

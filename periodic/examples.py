@@ -34,11 +34,11 @@ def mathieu(delta: float = 1.0, damping: float = 0.0) -> PeriodicSystem:
 
     Notes
     -----
-    Undamped, with a = 4 delta / Omega^2 and q = 2 eps / Omega^2, it is the canonical y'' + (a - 2 q cos 2z) y = 0 (after
-    a shift of time by half a period). The boundaries of the n-th unstable region, near Omega = 2 omega / n, are the
-    characteristic values a = a_n(q) and a = b_n(q): DLMF 28.2(v) and 28.6, Abramowitz and Stegun section 20.2 (their
-    series for a_1 is 1 + q - q^2/8 - q^3/64 - ..., for b_1 the same with -q), ``scipy.special.mathieu_a`` and
-    ``mathieu_b``. To first order and with damping the first region is
+    Undamped, with a = 4 delta / Omega^2 and q = 2 eps / Omega^2, it is the canonical y'' + (a - 2 q cos 2z) y = 0
+    (after a shift of time by half a period). The boundaries of the n-th unstable region, near Omega = 2 omega / n, are
+    the characteristic values a = a_n(q) and a = b_n(q), ``scipy.special.mathieu_a`` and ``mathieu_b``: DLMF 28.2(v)
+    and 28.6, Abramowitz and Stegun section 20.2. The series for a_1 is 1 + q - q^2/8 - q^3/64 - ..., for b_1 the same
+    with -q. To first order and with damping the first region is
     Omega = 2 omega ± sqrt((eps / (2 omega))^2 - damping^2); it is closed below eps = 2 omega damping.
     """
     delta = real_number("delta", delta)

@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from periodic.checks import FloatArray, real_array
+from periodic.checks import FloatArray, is_positive_definite, real_array
 
 # Entries that should agree by symmetry may differ by this much of the largest entry: well above what assembling
 # and transforming a matrix in float64 loses, well below any asymmetry that is meant.
@@ -83,9 +83,9 @@ class PeriodicSystem:
         if n == 0 or M.shape != (n, n):
             raise ValueError(f"mass has shape {M.shape}; give a square matrix")
         M = _symmetric("mass", M, 1)
-        lowest = float(np.linalg.eigvalsh(M)[0])
-        if lowest <= 0 or lowest <= np.finfo(float).eps * np.abs(M).max():
-            raise ValueError(f"mass has the eigenvalue {lowest:.6g}; give a positive definite matrix")
+        if not is_positive_definite(M):
+            lowest = float(np.linalg.eigvalsh(M)[0])
+            raise ValueError(f"mass has the lowest eigenvalue {lowest:.6g}; give a positive definite matrix")
         G = _symmetric("gyroscopic", _square("gyroscopic", gyroscopic, n), -1)
         C = _symmetric("damping", _square("damping", damping, n), 1)
         K = _square("stiffness", stiffness, n)
@@ -122,11 +122,12 @@ def _square(name: str, value: ArrayLike, n: int) -> FloatArray:
 
 def _symmetric(name: str, array: FloatArray, sign: int) -> FloatArray:
     """Return the exactly (skew-)symmetric matrix next to ``array``; refuse what differs by more than rounding."""
-    defect = float(np.abs(array - sign * array.T).max())
-    if defect > SYMMETRY_TOLERANCE * np.abs(array).max():
+    half = 0.5 * array  # halved first: no overflow at the largest numbers
+    defect = float(np.abs(half - sign * half.T).max())
+    if defect > SYMMETRY_TOLERANCE * np.abs(half).max():
         kind = "symmetric" if sign > 0 else "skew-symmetric"
-        raise ValueError(f"{name} is not {kind} (largest defect {defect:.3g}); give a {kind} matrix")
-    return 0.5 * (array + sign * array.T)
+        raise ValueError(f"{name} is not {kind} (largest defect {2.0 * defect:.3g}); give a {kind} matrix")
+    return half + sign * half.T
 
 
 def _harmonics(name: str, value: ArrayLike, n: int) -> FloatArray:
