@@ -1,12 +1,23 @@
-"""Fixtures that several packages' tests share."""
+"""Fixtures that several packages' tests share, and an environment in which every run is alike."""
 
 from __future__ import annotations
 
+import hashlib
 import json
+import os
 from pathlib import Path
 from typing import Any
 
 import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+
+# Numba's cache does not notice an edited callee in another file: a cache folder for each state of the kernels, the
+# same as the Makefile's. This runs before any test imports numba.
+_kernels = b"".join(path.read_bytes() for path in sorted((ROOT / "floquet").glob("*.py")))
+os.environ.setdefault("NUMBA_CACHE_DIR", str(ROOT / ".numba_cache" / hashlib.sha256(_kernels).hexdigest()[:16]))
+for _name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
+    os.environ.setdefault(_name, "1")
 
 
 @pytest.fixture(scope="session")

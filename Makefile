@@ -1,0 +1,56 @@
+# make validate   set up .venv and run the main job: charts by theory and by integration, laid one over the other
+# make test       set up .venv and run every check that fits in ten minutes
+# make test-full  the slow checks as well
+# make benchmark  the chart engine against its peers, as ratios
+
+PYTHON ?= python3
+BIN := .venv/bin
+ARGS ?=
+
+# Numba's cache does not notice an edited callee in another file: a cache folder for each state of the kernels.
+export NUMBA_CACHE_DIR := $(CURDIR)/.numba_cache/$(shell cat floquet/*.py | sha256sum | cut -c1-16)
+# Workers take the cores; BLAS must not take them again.
+export OPENBLAS_NUM_THREADS := 1
+export MKL_NUM_THREADS := 1
+export OMP_NUM_THREADS := 1
+
+.PHONY: validate test test-full benchmark lint clean
+.DELETE_ON_ERROR:
+
+validate: .venv/.ready-run
+	$(BIN)/python scripts/validate.py $(ARGS)
+
+test: lint
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -m "kernel and not slow" -p no:cacheprovider
+	$(BIN)/python -m pytest -m "not slow" $(ARGS)
+
+test-full: lint
+	$(BIN)/python -m pytest $(ARGS)
+
+lint: .venv/.ready-test
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/lint-imports
+	$(BIN)/mypy
+
+benchmark: .venv/.ready-bench
+	$(BIN)/python scripts/benchmark.py $(ARGS)
+
+.venv/bin/python:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "python >= 3.11 is needed; try: make PYTHON=python3.12 $(MAKECMDGOALS)"; exit 1; }
+	$(PYTHON) -m venv .venv
+
+.venv/.ready-run: pyproject.toml | .venv/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
+	@touch $@
+
+.venv/.ready-test: pyproject.toml | .venv/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[test]'
+	@touch $@ .venv/.ready-run
+
+.venv/.ready-bench: pyproject.toml | .venv/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
+	@touch $@ .venv/.ready-run
+
+clean:
+	rm -rf .venv .numba_cache .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis output *.egg-info

@@ -1,0 +1,183 @@
+"""Case files: which system, which window, which regions; TOML in, checked Python out."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from pathlib import Path
+from typing import Annotated, Any, Literal, TypeVar
+
+from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, PositiveInt, ValidationError, model_validator
+
+from plate import EdgeLoad, MovingPlate
+
+_T = TypeVar("_T", bound=BaseModel)
+FiniteFloat = Annotated[float, Field(allow_inf_nan=False)]
+
+# As many as the pictures have colours that every reader can tell apart.
+MOST_VARIANTS = 4
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+
+class Load(_Table):
+    """Distribution over the edge and waveform in time of the excitation, eqs. (7) and (29)."""
+
+    shape: Literal["uniform", "linear", "partial", "parabolic", "cosine", "samples"] = "uniform"
+    parameters: dict[str, FiniteFloat | list[FiniteFloat]] = {}
+    waveform: Literal["cosine", "square", "triangle", "sawtooth"] | dict[int, tuple[FiniteFloat, FiniteFloat]] = (
+        "cosine"
+    )
+    harmonics: PositiveInt = 1
+
+    def build(self) -> EdgeLoad:
+        """Return the load. Raises ValueError for parameters that the shape does not take."""
+        make = EdgeLoad.from_samples if self.shape == "samples" else getattr(EdgeLoad, self.shape)
+        try:
+            load = make(**self.parameters)
+        except TypeError as error:
+            raise ValueError(f"shape = {self.shape!r} does not take these parameters: {error}") from None
+        if isinstance(self.waveform, str):
+            return load.with_waveform(self.waveform, harmonics=self.harmonics)
+        return load.with_waveform(self.waveform)
+
+
+class Plate(_Table):
+    """The arguments of `plate.MovingPlate`; what is left out keeps that class's default."""
+
+    aspect_ratio: FiniteFloat | None = None
+    speed: FiniteFloat | None = None
+    tension: FiniteFloat | None = None
+    damping: FiniteFloat | None = None
+    poisson_ratio: FiniteFloat | None = None
+    thickness_ratio: FiniteFloat | None = None
+    inplane: Literal["membrane", "static", "dynamic"] | None = None
+    axial_terms: PositiveInt | None = None
+    lateral_terms: PositiveInt | None = None
+    inplane_terms: tuple[int, int] | None = None
+    load: Load = Load()
+
+    def build(self) -> MovingPlate:
+        """Return the plate. Raises ValueError as `plate.MovingPlate` does."""
+        given: dict[str, Any] = self.model_dump(exclude_none=True, exclude={"load"})
+        return MovingPlate(**given, load=self.load.build())
+
+
+class Chart(_Table):
+    """Window and resolution of the wide chart."""
+
+    Omega: tuple[FiniteFloat, FiniteFloat] = (5.0, 90.0)
+    eps: PositiveFloat = 0.4
+    points: tuple[PositiveInt, PositiveInt] = (256, 128)
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Chart:
+        if not 0 < self.Omega[0] < self.Omega[1]:
+            raise ValueError(f"Omega = {list(self.Omega)} is no window; give 0 < low < high")
+        return self
+
+
+class Variant(_Table):
+    """One of the systems that a case compares: the case's plate with some entries replaced."""
+
+    label: str
+    plate: dict[str, Any] = {}
+
+
+class Case(_Table):
+    """One figure: a plate in one or more variants, a window, and the regions to look at closely."""
+
+    name: str = ""
+    title: str
+    compare: Literal["within", "beside"] = "within"
+    plate: Plate = Plate()
+    chart: Chart = Chart()
+    regions: list[tuple[PositiveInt, PositiveInt]] = [(1, 1), (2, 2), (3, 3), (1, 2), (1, 3), (2, 3)]
+    variants: list[Variant] = [Variant(label="")]
+
+    @model_validator(mode="after")
+    def _distinct(self) -> Case:
+        labels = [variant.label for variant in self.variants]
+        if not 1 <= len(labels) <= MOST_VARIANTS or len(set(labels)) < len(labels):
+            raise ValueError(f"variants have the labels {labels}; give 1 to {MOST_VARIANTS}, each with its own label")
+        return self
+
+    def systems(self) -> dict[str, MovingPlate]:
+        """Return each variant's plate under its label.
+
+        Raises
+        ------
+        ValueError
+            If a variant's table has an unknown key or a value out of range; the message names the variant.
+        """
+        return {variant.label: self._system(variant) for variant in self.variants}
+
+    def _system(self, variant: Variant) -> MovingPlate:
+        where = f"[variants.plate] of {variant.label!r}" if variant.plate else "[plate]"
+        merged = self.plate.model_dump(exclude_none=True, mode="json") | variant.plate
+        try:
+            return _strictly(Plate, merged).build()
+        except ValidationError as error:
+            raise ValueError(_explain(error, where)) from None
+        except ValueError as error:
+            raise ValueError(f"{where}: {error}") from None
+
+
+def load_case(path: str | Path) -> Case:
+    """Read a case file.
+
+    Parameters
+    ----------
+    path : str or Path
+        A TOML file; docs/cases.md lists its tables and keys.
+
+    Returns
+    -------
+    Case
+        Checked, its ``name`` the file's stem. Every variant's plate has been built once.
+
+    Raises
+    ------
+    ValueError
+        If the file cannot be read, is not TOML, or a key is unknown, missing or out of range; the message names file,
+        table and key.
+    """
+    path = Path(path)
+    try:
+        data = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ValueError(f"{path}: cannot be read ({error.strerror}); give the path of a case file") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ValueError(f"{path}: not a TOML file: {error}") from None
+    try:
+        case = _strictly(Case, {"name": path.stem} | data)
+        case.systems()
+    except ValidationError as error:
+        raise ValueError(_explain(error, str(path))) from None
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
+    return case
+
+
+def _strictly(model: type[_T], data: dict[str, Any]) -> _T:
+    """Validate by pydantic's JSON rules: arrays become tuples, but no text becomes a number."""
+    return model.model_validate_json(json.dumps(data, default=str))
+
+
+def _explain(error: ValidationError, where: str) -> str:
+    """Return one line for each fault: file, [table], key, what is wrong and what was given."""
+    lines = []
+    for fault in error.errors(include_url=False):
+        place = [str(step) for step in fault["loc"]]
+        table = f"[{'.'.join(place[:-1])}] " if place[:-1] else ""
+        key = place[-1] if place else "file"
+        if fault["type"] == "extra_forbidden":
+            what = "unknown key; remove it or mend its spelling"
+        elif fault["type"] == "missing":
+            what = "missing; add it"
+        else:
+            what = f"{fault['msg']} (given: {fault['input']!r})"
+        lines.append(f"{where}: {table}{key}: {what}")
+    return "\n".join(lines)

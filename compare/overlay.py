@@ -1,0 +1,309 @@
+"""Pictures: the growth-rate map of the Floquet multipliers under the analytic transition curves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from floquet import BoundaryTrace, Kind, StabilityChart
+from periodic.checks import FloatArray
+from perturb import TransitionCurve
+
+# Okabe and Ito's colours, told apart by readers with any colour vision; the analytic curve always wears the warm one.
+BLUE, ORANGE, GREEN, PURPLE, GREY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#777777"
+VARIANT_COLOURS = (BLUE, ORANGE, GREEN, PURPLE)
+# Light means stable; dark means fast growth. Blue only, so that the orange curves stay visible on every shade.
+GROWTH_MAP = "Blues"
+# Labels closer than this many characters' widths would run into each other.
+LABEL_SPACING_POINTS = 30.0
+
+STYLE = {
+    "font.size": 9,
+    "axes.titlesize": 10,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "legend.frameon": False,
+    "figure.dpi": 150,
+    "savefig.bbox": "tight",
+}
+
+
+def overlay(
+    chart: StabilityChart | None,
+    curves: Sequence[TransitionCurve],
+    traces: Sequence[BoundaryTrace] = (),
+    *,
+    title: str = "",
+    size: tuple[float, float] = (9.0, 4.8),
+) -> Figure:
+    """Draw a stability chart, the traced boundaries and the analytic transition curves in one picture.
+
+    Parameters
+    ----------
+    chart : StabilityChart or None
+        Growth-rate map to lay underneath; None leaves it out.
+    curves : sequence of TransitionCurve
+        Analytic curves, each labelled with its resonance on the upper edge.
+    traces : sequence of BoundaryTrace
+        Edges found by root-finding on the multipliers.
+    title : str
+        Heading.
+    size : (float, float)
+        Width and height in inches.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Save it with ``figure.savefig(path)``.
+
+    Raises
+    ------
+    ValueError
+        If there is nothing to draw.
+    """
+    if chart is None and not traces:
+        raise ValueError("chart is None and traces is empty; give a chart, traces or both")
+    with mpl.rc_context(STYLE):
+        figure = new_figure(size)
+        axes = figure.add_subplot()
+        eps = chart.eps if chart is not None else np.unique(np.concatenate([trace.eps for trace in traces]))
+        if chart is not None:
+            axes.set_xlim(chart.Omega[0], chart.Omega[-1])
+        axes.set_ylim(0, eps[-1])
+        draw_growth(axes, chart, colour_bar=True)
+        draw_traces(axes, traces)
+        draw_curves(axes, curves, eps[-1])
+        label_regions(axes, curves, eps[-1])
+        axes.set_xlabel("excitation frequency Ω")
+        axes.set_ylabel("amplitude ε")
+        axes.set_title(title, loc="left", pad=30)
+        figure.legend(handles=legend_handles(chart, bool(traces)), loc="outside lower center", ncols=4)
+    return figure
+
+
+@dataclass(frozen=True, eq=False)
+class Layer:
+    """What a comparison draws of one system.
+
+    Attributes
+    ----------
+    label : str
+        Name in the legend; empty for a system that is alone.
+    chart : StabilityChart
+        Growth-rate map, drawn under a system that is alone or has a panel of its own.
+    panels : sequence of (TransitionCurve, BoundaryTrace)
+        Theory and integration, region by region.
+    """
+
+    label: str
+    chart: StabilityChart
+    panels: Sequence[tuple[TransitionCurve, BoundaryTrace]]
+
+
+def region_panels(layers: Sequence[Layer], *, title: str = "") -> Figure:
+    """Draw one panel a region, as the paper's Figs. 2-4 and 6 do, with every system inside it.
+
+    Parameters
+    ----------
+    layers : sequence of Layer
+        One to four systems with the same regions.
+    title : str
+        Heading.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    pairs = list(dict.fromkeys(frozenset((curve.p, curve.q)) for layer in layers for curve, _ in layer.panels))
+    columns = min(3, len(pairs))
+    rows = -(-len(pairs) // columns)
+    with mpl.rc_context(STYLE):
+        figure = new_figure((3.2 * columns, 2.6 * rows + 0.9))
+        for index, (pair, axes) in enumerate(
+            zip(pairs, figure.subplots(rows, columns, squeeze=False).flat, strict=False)
+        ):
+            shown = [
+                (curve, trace, colour)
+                for layer, colour in zip(layers, VARIANT_COLOURS, strict=False)
+                for curve, trace in layer.panels
+                if frozenset((curve.p, curve.q)) == pair
+            ]
+            alone = len(layers) == 1
+            for curve, trace, colour in shown:
+                eps_max = trace.eps[-1]
+                draw_traces(axes, [trace], "black" if alone else colour, fill=True)
+                draw_curves(axes, [curve], eps_max, ORANGE if alone else colour)
+            _frame_region(axes, [(curve, trace) for curve, trace, _ in shown])
+            axes.set_title(f"({chr(ord('a') + index)})  {shown[0][0].label}", loc="left")
+            axes.set_xlabel("Ω")
+            axes.set_ylabel("ε")
+        figure.suptitle(title, fontsize=11)
+        handles = legend_handles(None, True) if len(layers) == 1 else _variant_handles(layers)
+        figure.legend(handles=handles, loc="outside lower center", ncols=4)
+    return figure
+
+
+def variant_panels(layers: Sequence[Layer], *, title: str = "") -> Figure:
+    """Draw one panel a system, as the paper's Fig. 5 does, with all its regions inside.
+
+    Parameters and returns as `region_panels`.
+    """
+    with mpl.rc_context(STYLE):
+        figure = new_figure((9.0, 2.6 * len(layers) + 0.9))
+        for index, (layer, axes) in enumerate(
+            zip(layers, figure.subplots(len(layers), 1, sharex=True, squeeze=False).flat, strict=True)
+        ):
+            axes.set_xlim(layer.chart.Omega[0], layer.chart.Omega[-1])
+            axes.set_ylim(0, layer.chart.eps[-1])
+            curves = [curve for curve, _ in layer.panels]
+            draw_growth(axes, layer.chart)
+            draw_traces(axes, [trace for _, trace in layer.panels])
+            draw_curves(axes, curves, layer.chart.eps[-1])
+            label_regions(axes, curves, layer.chart.eps[-1])
+            axes.set_title(f"({chr(ord('a') + index)})  {layer.label}", loc="left", pad=26)
+            axes.set_ylabel("ε")
+        axes.set_xlabel("excitation frequency Ω")
+        figure.suptitle(title, fontsize=11)
+        figure.legend(handles=legend_handles(layers[0].chart, True), loc="outside lower center", ncols=4)
+    return figure
+
+
+def _frame_region(axes: Axes, shown: Sequence[tuple[TransitionCurve, BoundaryTrace]]) -> None:
+    """Set limits that hold every edge with a margin; say so where there is nothing to see."""
+    edges = np.concatenate(
+        [[curve.centre, *curve.edges(trace.eps[-1]), *trace.lower, *trace.upper] for curve, trace in shown]
+    )
+    low, high = float(np.nanmin(edges)), float(np.nanmax(edges))
+    margin = max(0.12 * (high - low), 2e-3 * high)
+    axes.set_xlim(low - margin, high + margin)
+    axes.set_ylim(0, max(trace.eps[-1] for _, trace in shown))
+    axes.locator_params(nbins=5)
+    if not any(trace.is_open.any() for _, trace in shown):
+        axes.text(0.5, 0.5, "no instability found", transform=axes.transAxes, ha="center", color=GREY)
+
+
+def _variant_handles(layers: Sequence[Layer]) -> list[Line2D | Patch]:
+    named = [Patch(color=colour, label=layer.label) for layer, colour in zip(layers, VARIANT_COLOURS, strict=False)]
+    return [
+        *named,
+        Line2D([], [], color="black", lw=1.4, label="Floquet boundary (traced)"),
+        Line2D([], [], color="black", lw=1.4, ls=(0, (4, 2)), label="multiple scales"),
+    ]
+
+
+def new_figure(size: tuple[float, float]) -> Figure:
+    """Return an empty figure that no window system knows of."""
+    figure = Figure(figsize=size, layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def draw_growth(axes: Axes, chart: StabilityChart | None, *, colour_bar: bool = False) -> None:
+    """Shade each cell by its growth rate: white where stable, grey where undecided."""
+    if chart is None:
+        return
+    unstable = chart.kind > Kind.STABLE
+    growth = np.ma.masked_where(~unstable, chart.growth_rate)
+    mesh = axes.pcolormesh(
+        chart.Omega, chart.eps, growth, cmap=GROWTH_MAP, vmin=0, shading="nearest", rasterized=True, zorder=0
+    )
+    undecided = np.ma.masked_where(chart.kind != Kind.UNDECIDED, np.ones_like(chart.growth_rate))
+    axes.pcolormesh(
+        chart.Omega, chart.eps, undecided, cmap="Greys", vmin=0, vmax=2, shading="nearest", rasterized=True, zorder=0
+    )
+    if colour_bar:
+        bar = axes.figure.colorbar(mesh, ax=axes, pad=0.01, aspect=30)
+        bar.set_label("growth rate  max log|μ| / T")
+        bar.outline.set_visible(False)
+
+
+def draw_traces(axes: Axes, traces: Sequence[BoundaryTrace], colour: str = "black", fill: bool = False) -> None:
+    """Draw the edges found by integration as solid lines, the region between them shaded on request."""
+    for trace in traces:
+        axes.plot(trace.lower, trace.eps, color=colour, lw=1.4, zorder=3)
+        axes.plot(trace.upper, trace.eps, color=colour, lw=1.4, zorder=3)
+        if fill:
+            axes.fill_betweenx(
+                trace.eps, trace.lower, trace.upper, where=trace.is_open, color=colour, alpha=0.15, lw=0, zorder=1
+            )
+
+
+def draw_curves(axes: Axes, curves: Sequence[TransitionCurve], eps_max: float, colour: str = ORANGE) -> None:
+    """Draw the analytic transition curves as dashed lines."""
+    for curve in curves:
+        lower, upper = curve.edges(_curve_eps(curve, eps_max))
+        for edge in (lower, upper):
+            axes.plot(edge, _curve_eps(curve, eps_max), color=colour, lw=1.4, ls=(0, (4, 2)), zorder=4)
+
+
+def _curve_eps(curve: TransitionCurve, eps_max: float) -> FloatArray:
+    """Values of eps that show a straight line, and the parabola-like tip of a damped region where it turns."""
+    if not 0 < curve.tip < eps_max:
+        return np.linspace(0, eps_max, 41)
+    return curve.tip + (eps_max - curve.tip) * np.linspace(0, 1, 81) ** 2
+
+
+def label_regions(axes: Axes, curves: Sequence[TransitionCurve], eps_max: float) -> None:
+    """Write each region's resonance above the upper edge, spread so that no two labels touch.
+
+    Only regions inside the window that are wide enough to be seen are named: at least 1/400 of the window.
+    """
+    low, high = axes.get_xlim()
+    seen = []
+    for curve in curves:
+        lower, upper = curve.edges(eps_max)
+        if low < curve.centre < high and upper - lower > (high - low) / 400:
+            seen.append(curve)
+    seen.sort(key=lambda curve: curve.centre)
+    width_points = axes.get_window_extent().width * 72 / axes.figure.dpi
+    wanted = [(curve.centre - low) / (high - low) * width_points for curve in seen]
+    for curve, place in zip(seen, _spread(wanted, LABEL_SPACING_POINTS), strict=True):
+        axes.annotate(
+            curve.label,
+            xy=(curve.centre, eps_max),
+            xytext=(low + place / width_points * (high - low), eps_max * 1.045),
+            ha="center",
+            va="bottom",
+            fontsize=8.5,
+            annotation_clip=False,
+            arrowprops={"arrowstyle": "-", "lw": 0.5, "color": GREY, "shrinkA": 0, "shrinkB": 0},
+        )
+
+
+def _spread(wanted: Sequence[float], spacing: float) -> list[float]:
+    """Move sorted positions apart to at least ``spacing``, each cluster about its mean (one pass of pooling)."""
+    clusters: list[list[float]] = []
+    for position in wanted:
+        clusters.append([position])
+        while len(clusters) > 1:
+            left, right = clusters[-2], clusters[-1]
+            reach = spacing * (len(left) + len(right)) / 2
+            if np.mean(right) - np.mean(left) >= reach:
+                break
+            clusters[-2:] = [left + right]
+    return [
+        float(np.mean(cluster)) + spacing * (index - (len(cluster) - 1) / 2)
+        for cluster in clusters
+        for index in range(len(cluster))
+    ]
+
+
+def legend_handles(chart: StabilityChart | None, traced: bool) -> list[Line2D | Patch]:
+    """Return one legend entry for each thing that the picture shows."""
+    handles: list[Line2D | Patch] = []
+    if chart is not None:
+        handles.append(Patch(color=mpl.colormaps[GROWTH_MAP](0.6), label="unstable by integration"))
+        if (chart.kind == Kind.UNDECIDED).any():
+            handles.append(Patch(color=mpl.colormaps["Greys"](0.5), label="undecided"))
+    if traced:
+        handles.append(Line2D([], [], color="black", lw=1.4, label="Floquet boundary (traced)"))
+    handles.append(Line2D([], [], color=ORANGE, lw=1.4, ls=(0, (4, 2)), label="multiple scales"))
+    return handles

@@ -1,0 +1,153 @@
+"""One case from plate to picture: charts, curves, traced boundaries and verdicts of every variant."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from joblib import Parallel, delayed
+from tqdm import tqdm
+
+from compare.agreement import DEFAULT_LADDER, RegionAgreement, agreement
+from compare.cases import Case
+from compare.overlay import Figure, Layer, overlay, region_panels, variant_panels
+from floquet import BoundaryTrace, StabilityChart, stability_chart, trace_boundary
+from periodic import SystemFamily
+from periodic.checks import FloatArray
+from perturb import TransitionCurve, transition_curves
+
+# A traced boundary is smooth: this many points along eps draw it without corners.
+TRACE_POINTS = 12
+# --quick: enough to see that the line runs from plate to picture.
+QUICK_POINTS = (96, 48)
+QUICK_TRACE_POINTS = 5
+
+
+@dataclass(frozen=True, eq=False)
+class VariantStudy:
+    """Everything computed for one system of a case.
+
+    Attributes
+    ----------
+    label : str
+        The variant's name; empty where a case has only one.
+    chart : StabilityChart
+        The wide chart.
+    curves : list of TransitionCurve
+        Every analytic region in the window.
+    panels : list of (TransitionCurve, BoundaryTrace)
+        Theory and integration for the regions that the case looks at closely, in the case's order.
+    verdicts : list of RegionAgreement
+        Theory against integration for every region of the case's modes in the window.
+    """
+
+    label: str
+    chart: StabilityChart
+    curves: list[TransitionCurve]
+    panels: list[tuple[TransitionCurve, BoundaryTrace]]
+    verdicts: list[RegionAgreement]
+
+
+@dataclass(frozen=True, eq=False)
+class CaseStudy:
+    """A case and what was computed for its variants."""
+
+    case: Case
+    variants: list[VariantStudy]
+
+    @property
+    def agrees(self) -> bool:
+        """Whether theory and integration agree in every region of every variant, and every chart passed its audit."""
+        return all(verdict.agrees for variant in self.variants for verdict in variant.verdicts)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain numbers and strings, fit for JSON."""
+        return {
+            "case": self.case.name,
+            "title": self.case.title,
+            "agrees": self.agrees,
+            "variants": [
+                {"label": variant.label, "regions": [verdict.to_dict() for verdict in variant.verdicts]}
+                for variant in self.variants
+            ],
+        }
+
+    def figures(self) -> dict[str, Figure]:
+        """Return the case's pictures by name."""
+        layers = [Layer(variant.label, variant.chart, variant.panels) for variant in self.variants]
+        draw = region_panels if self.case.compare == "within" else variant_panels
+        pictures = {"regions": draw(layers, title=self.case.title)}
+        for index, variant in enumerate(self.variants, start=1):
+            name = "chart" if len(self.variants) == 1 else f"chart-{index}"
+            title = ", ".join(filter(None, (self.case.title, variant.label)))
+            traces = [trace for _, trace in variant.panels]
+            pictures[name] = overlay(variant.chart, variant.curves, traces, title=title)
+        return pictures
+
+
+def run_case(case: Case, *, n_jobs: int = -1, quick: bool = False, progress: bool = False) -> CaseStudy:
+    """Compute a case.
+
+    Parameters
+    ----------
+    case : Case
+        From `compare.cases.load_case`.
+    n_jobs : int
+        Workers, as in joblib; -1 for all cores.
+    quick : bool
+        Coarser charts and fewer points on the traced boundaries; the verdicts are the same.
+    progress : bool
+        Show progress bars.
+
+    Returns
+    -------
+    CaseStudy
+
+    Raises
+    ------
+    ValueError
+        If a system of the case cannot be analysed, for instance above its divergence speed.
+    """
+    variants = [_run_variant(case, label, family, n_jobs, quick, progress) for label, family in case.systems().items()]
+    return CaseStudy(case, variants)
+
+
+def _run_variant(
+    case: Case, label: str, family: SystemFamily, n_jobs: int, quick: bool, progress: bool
+) -> VariantStudy:
+    window, eps_max = case.chart.Omega, case.chart.eps
+    columns, rows = QUICK_POINTS if quick else case.chart.points
+    chart = stability_chart(
+        family,
+        np.linspace(*window, columns),
+        np.linspace(0, eps_max, rows),
+        n_jobs=n_jobs,
+        progress=progress,
+    )
+    curves = transition_curves(family, window)
+    verdicts = agreement(
+        family,
+        window,
+        DEFAULT_LADDER,
+        modes=max(max(pair) for pair in case.regions),
+        n_jobs=n_jobs,
+        progress=progress,
+    )
+    wanted = [{*pair} for pair in case.regions]
+    shown = [curve for curve in curves if curve.kind == "sum" and curve.j == 1 and {curve.p, curve.q} in wanted]
+    shown.sort(key=lambda curve: wanted.index({curve.p, curve.q}))
+    points = QUICK_TRACE_POINTS if quick else TRACE_POINTS
+    trace = delayed(trace_boundary)
+    tasks = (trace(family, curve.centre, _ladder(curve, eps_max, points)) for curve in shown)
+    traced = Parallel(n_jobs=n_jobs, prefer="threads", return_as="generator")(tasks)
+    panels = zip(shown, tqdm(traced, desc="traces", total=len(shown), unit="region", disable=not progress), strict=True)
+    return VariantStudy(label, chart, curves, list(panels), verdicts)
+
+
+def _ladder(curve: TransitionCurve, eps_max: float, points: int) -> FloatArray:
+    """Values of eps for a traced boundary: even, or crowded towards the tip of a damped region, where it turns."""
+    step = np.linspace(0, 1, points + 1)[1:]
+    if not 0 < curve.tip < eps_max:
+        return eps_max * step
+    return curve.tip + (eps_max - curve.tip) * np.linspace(0.02, 1, points) ** 2
