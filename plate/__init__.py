@@ -1,0 +1,7 @@
+"""The axially moving plate of Young, Huang and Chiu: edge loads, in-plane stress, transverse matrices (section II)."""
+
+from plate.distribution import Distribution
+from plate.loads import EdgeLoad
+from plate.parameters import MovingPlate
+
+__all__ = ["Distribution", "EdgeLoad", "MovingPlate"]

@@ -1,0 +1,310 @@
+"""The moving plate as one set of dimensionless parameters, eq. (12), and its way to and from SI units."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy.linalg import eigh
+
+from periodic import PeriodicSystem
+from periodic.checks import FloatArray, one_of, real_number, whole_number
+from plate import transverse
+from plate.distribution import Distribution
+from plate.loads import EdgeLoad
+
+INPLANE_MODELS = ("membrane",)
+
+# More trial functions in one direction than any study needs; the limit keeps a slip from filling the memory.
+MOST_TERMS = 200
+
+
+@dataclass(frozen=True)
+class Units:
+    """What one dimensionless unit of a plate is in SI, eq. (12) with its misprinted frequency scale corrected.
+
+    Parameters
+    ----------
+    length : float
+        b in m.
+    time : float
+        sqrt(rho h b^4 / D) in s.
+    tension : float
+        D / b^2 in N/m.
+    """
+
+    length: float
+    time: float
+    tension: float
+
+
+@dataclass(frozen=True)
+class MovingPlate:
+    """An axially moving viscoelastic plate under periodic edge tension, sections I and II of the paper.
+
+    Simply supported at x = 0 and x = a, free at y = 0 and y = b, moving along x. All quantities are dimensionless
+    (eq. (12)): lengths in b, time in sqrt(rho h b^4 / D), D = E h^3 / (12 (1 - nu^2)). `from_si` takes SI units.
+
+    Parameters
+    ----------
+    aspect_ratio : float
+        r = a/b > 0.
+    speed : float
+        V sqrt(rho h b^2 / D), below the divergence speed; a negative speed moves towards -x.
+    tension : float
+        f0 b^2 / D, static tension per width averaged over the edge; negative is compression. The excitation is
+        eps = f1/f0 times f0, so that tension 0 means no excitation at any eps.
+    damping : float
+        Kelvin–Voigt c sqrt(D / (rho h b^4)) >= 0.
+    poisson_ratio : float
+        nu, above -1 and at most 0.5.
+    thickness_ratio : float
+        h/b > 0. It matters only for ``inplane="dynamic"``, through the in-plane stiffness 12 (b/h)^2.
+    load : EdgeLoad
+        Shape of the tension over the edges and in time; uniform and pulsating as cos(Omega t) by default.
+    inplane : {"membrane"}
+        How the in-plane stress follows from the edge load: "membrane", N_xx = f(y) and N_yy = N_xy = 0.
+    axial_terms : int
+        K, sines along x.
+    lateral_terms : int
+        L + 1, polynomials in y of degree 0 to L. The system has n = axial_terms * lateral_terms coordinates.
+
+    Raises
+    ------
+    ValueError
+        If a parameter is out of range, the static tension buckles the plate, or the speed reaches the divergence speed.
+    """
+
+    aspect_ratio: float = 1.0
+    speed: float = 3.0
+    tension: float = 10.0
+    damping: float = 0.0
+    poisson_ratio: float = 0.3
+    thickness_ratio: float = 0.01
+    load: EdgeLoad = field(default_factory=EdgeLoad.uniform)
+    inplane: str = "membrane"
+    axial_terms: int = 4
+    lateral_terms: int = 7
+    inplane_terms: tuple[int, int] = (9, 9)
+    units: Units | None = field(default=None, kw_only=True, repr=False)
+
+    def __post_init__(self) -> None:
+        checked = {
+            "aspect_ratio": real_number("aspect_ratio", self.aspect_ratio, positive=True),
+            "speed": real_number("speed", self.speed),
+            "tension": real_number("tension", self.tension),
+            "damping": real_number("damping", self.damping, nonnegative=True),
+            "poisson_ratio": real_number("poisson_ratio", self.poisson_ratio),
+            "thickness_ratio": real_number("thickness_ratio", self.thickness_ratio, positive=True),
+            "inplane": one_of("inplane", self.inplane, INPLANE_MODELS),
+            "axial_terms": whole_number("axial_terms", self.axial_terms, least=1, most=MOST_TERMS),
+            "lateral_terms": whole_number("lateral_terms", self.lateral_terms, least=1, most=MOST_TERMS),
+            "inplane_terms": _inplane_terms(self.inplane_terms),
+        }
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
+        if not -1 < self.poisson_ratio <= 0.5:
+            raise ValueError(f"poisson_ratio = {self.poisson_ratio!r} is out of range; give -1 < nu <= 0.5")
+        if not isinstance(self.load, EdgeLoad):
+            raise ValueError(f"load = {self.load!r} is no EdgeLoad; give one, such as EdgeLoad.uniform()")
+        if self.units is not None and not isinstance(self.units, Units):
+            raise ValueError(f"units = {self.units!r} is no Units; leave it out, or use MovingPlate.from_si")
+        if abs(self.speed) >= self.critical_speed():
+            raise ValueError(
+                f"speed = {self.speed!r} is not below the divergence speed {self.critical_speed():.10g}, from which on "
+                "K_o is not positive definite and the plate diverges without excitation; lower the speed or raise tension"
+            )
+
+    @classmethod
+    def from_si(
+        cls,
+        *,
+        length: float,
+        width: float,
+        thickness: float,
+        density: float,
+        youngs_modulus: float,
+        poisson_ratio: float,
+        speed: float,
+        tension: float,
+        damping: float = 0.0,
+        **discretisation: Any,
+    ) -> MovingPlate:
+        """Return the plate with these SI properties; its ``*_unit`` properties lead back.
+
+        Parameters
+        ----------
+        length, width, thickness : float
+            a, b and h in m.
+        density : float
+            rho in kg/m^3.
+        youngs_modulus : float
+            E in Pa.
+        poisson_ratio : float
+            nu.
+        speed : float
+            V in m/s.
+        tension : float
+            Static edge tension per width f0 in N/m, averaged over the edge.
+        damping : float
+            Kelvin–Voigt c of eq. (1) in s.
+        **discretisation
+            load, inplane, axial_terms, lateral_terms and inplane_terms, as `MovingPlate` takes them.
+
+        Raises
+        ------
+        ValueError
+            If a property is out of range, or as `MovingPlate`.
+        """
+        a = real_number("length", length, positive=True)
+        b = real_number("width", width, positive=True)
+        h = real_number("thickness", thickness, positive=True)
+        rho = real_number("density", density, positive=True)
+        E = real_number("youngs_modulus", youngs_modulus, positive=True)
+        nu = real_number("poisson_ratio", poisson_ratio)
+        if not -1 < nu <= 0.5:
+            raise ValueError(f"poisson_ratio = {nu!r} is out of range; give -1 < nu <= 0.5")
+        D = E * h**3 / (12 * (1 - nu**2))
+        units = Units(length=b, time=math.sqrt(rho * h * b**4 / D), tension=D / b**2)
+        return cls(
+            aspect_ratio=a / b,
+            speed=real_number("speed", speed) * units.time / b,
+            tension=real_number("tension", tension) / units.tension,
+            damping=real_number("damping", damping, nonnegative=True) / units.time,
+            poisson_ratio=nu,
+            thickness_ratio=h / b,
+            units=units,
+            **discretisation,
+        )
+
+    @property
+    def length_unit(self) -> float:
+        """b in m."""
+        return self._units.length
+
+    @property
+    def time_unit(self) -> float:
+        """Seconds in one dimensionless unit of time; also the unit of ``damping``."""
+        return self._units.time
+
+    @property
+    def frequency_unit(self) -> float:
+        """Angular frequency in rad/s of Omega = 1; also the unit of growth rates in 1/s."""
+        return 1 / self._units.time
+
+    @property
+    def speed_unit(self) -> float:
+        """Speed in m/s of V = 1."""
+        return self._units.length / self._units.time
+
+    @property
+    def tension_unit(self) -> float:
+        """Force per width in N/m of f0 = 1; also the unit of the stress resultants."""
+        return self._units.tension
+
+    @cached_property
+    def elastic_stiffness(self) -> FloatArray:
+        """K_oe of eq. (11), shape (n, n): bending stiffness, and the shape of the Kelvin–Voigt damping c K_oe."""
+        return _read_only(transverse.elastic_stiffness(*self._terms, self.aspect_ratio, self.poisson_ratio))
+
+    @cached_property
+    def transport_stiffness(self) -> FloatArray:
+        """K_og of eq. (11), shape (n, n): V^2 K_og is the stiffness lost to the centripetal acceleration."""
+        return _read_only(transverse.transport_stiffness(*self._terms, self.aspect_ratio))
+
+    @cached_property
+    def static_stress_stiffness(self) -> FloatArray:
+        """F_c0 of eq. (11), shape (n, n): f0 F_c0 is the stiffness given by the static stress."""
+        return _read_only(self._stress_stiffness(self.load.static))
+
+    def critical_speed(self) -> float:
+        """Return the divergence speed V_cr, dimensionless.
+
+        The smallest V with K_oe + V^2 K_og + f0 F_c0 singular; ``speed`` does not enter.
+
+        Raises
+        ------
+        ValueError
+            If the static tension buckles the plate at rest.
+        """
+        return self._critical_speed
+
+    def at(self, Omega: float) -> PeriodicSystem:
+        """Return the system (11) at excitation frequency ``Omega`` (`periodic.SystemFamily`).
+
+        Parameters
+        ----------
+        Omega : float
+            Excitation frequency >= 0, dimensionless.
+
+        Returns
+        -------
+        PeriodicSystem
+            n = axial_terms * lateral_terms coordinates and the load's J harmonics.
+
+        Raises
+        ------
+        ValueError
+            If ``Omega`` is negative or not a finite number.
+        """
+        real_number("Omega", Omega, nonnegative=True)
+        return self._system
+
+    @cached_property
+    def _system(self) -> PeriodicSystem:
+        return PeriodicSystem(
+            mass=np.eye(self.axial_terms * self.lateral_terms),
+            gyroscopic=self.speed * transverse.gyroscopic(*self._terms, self.aspect_ratio),
+            damping=self.damping * self.elastic_stiffness,
+            stiffness=self.elastic_stiffness
+            + self.speed**2 * self.transport_stiffness
+            + self.tension * self.static_stress_stiffness,
+            cosine=np.array([self.tension * self._stress_stiffness(f) for f in self.load.f_c]),
+            sine=np.array([self.tension * self._stress_stiffness(f) for f in self.load.f_s]),
+        )
+
+    @cached_property
+    def _critical_speed(self) -> float:
+        tension_stiffness = self.tension * self.static_stress_stiffness
+        lowest = eigh(self.elastic_stiffness + tension_stiffness, -self.transport_stiffness, eigvals_only=True)[0]
+        if lowest <= 0:
+            # K_oe + f0 F_c0 is singular where -1/f0 is an eigenvalue of the pencil (F_c0, K_oe).
+            inverse = eigh(self.static_stress_stiffness, self.elastic_stiffness, eigvals_only=True)
+            limit = -1 / (inverse[-1] if self.tension < 0 else inverse[0])
+            raise ValueError(
+                f"tension = {self.tension!r} buckles the plate at rest, as every tension beyond {limit:.10g} does; "
+                "give one nearer zero"
+            )
+        return math.sqrt(lowest)
+
+    def _stress_stiffness(self, load: Distribution) -> FloatArray:
+        return transverse.membrane_stiffness(load, *self._terms, self.aspect_ratio)
+
+    @property
+    def _terms(self) -> tuple[int, int]:
+        return self.axial_terms, self.lateral_terms
+
+    @property
+    def _units(self) -> Units:
+        if self.units is None:
+            raise ValueError("this plate has no SI units; build it with MovingPlate.from_si")
+        return self.units
+
+
+def _inplane_terms(value: Any) -> tuple[int, int]:
+    try:
+        axial, lateral = value
+    except (TypeError, ValueError):
+        raise ValueError(f"inplane_terms = {value!r} is not a pair; give (axial, lateral), such as (9, 9)") from None
+    return (
+        whole_number("inplane_terms[0]", axial, least=2, most=MOST_TERMS),
+        whole_number("inplane_terms[1]", lateral, least=1, most=MOST_TERMS),
+    )
+
+
+def _read_only(array: FloatArray) -> FloatArray:
+    array.setflags(write=False)
+    return array
