@@ -61,8 +61,8 @@ def one_of(name: str, value: Any, choices: tuple[Any, ...]) -> Any:
     return value
 
 
-def real_array(name: str, value: ArrayLike, ndim: int) -> FloatArray:
-    """Return a fresh C-contiguous float64 copy of ``value`` with ``ndim`` axes and finite entries.
+def real_array(name: str, value: ArrayLike, ndim: int | None) -> FloatArray:
+    """Return a fresh C-contiguous float64 copy of ``value`` with ``ndim`` axes (None: any) and finite entries.
 
     Raises
     ------
@@ -70,7 +70,7 @@ def real_array(name: str, value: ArrayLike, ndim: int) -> FloatArray:
         If ``value`` is not numeric, is complex, has another number of axes, or holds NaN or infinity.
     """
     raw = _numeric(name, value)
-    if raw.ndim != ndim:
+    if ndim is not None and raw.ndim != ndim:
         raise ValueError(f"{name} has shape {raw.shape}; give an array with {ndim} axes")
     array = np.array(raw, dtype=np.float64, order="C")
     if not np.isfinite(array).all():

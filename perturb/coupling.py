@@ -1,0 +1,91 @@
+"""How the excitation couples two modes at resonance: eqs. (26)-(28), in closed form and by the paper's blocks.
+
+With E_j = F_cj - i F_sj and the modes of `perturb.modes`, the pair (p, q) is coupled near j Omega = omega_p + omega_q
+("sum") by
+
+    Lambda_pq       = + i omega_p / 2  w_p^H E_j conj(w_q)
+    conj(Lambda_qp) = - i omega_q / 2  w_q^T conj(E_j) w_p
+
+and near j Omega = omega_p - omega_q ("difference") by
+
+    Lambda_pq       = + i omega_p / 2  w_p^H E_j w_q
+    Lambda_qp       = + i omega_q / 2  w_q^H conj(E_j) w_p
+
+Their product L decides over stability. For symmetric matrices E_j it is real,
+L = ± omega_p omega_q |w_p^H E_j (conj) w_q|^2 / 4: positive for sums, negative for differences.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from periodic import PeriodicSystem
+from periodic.system import SYMMETRY_TOLERANCE
+from perturb.modes import ROUNDING, ComplexArray, GyroscopicModes, ModalBlocks
+
+# L of unsymmetric matrices is real to rounding where the imaginary part is below this part of it (a few hundred times
+# what two products of length n lose, and far below any effect on a growth rate).
+IMAGINARY = 1e-10
+
+
+class Coupling(NamedTuple):
+    """The two factors of L for every pair, each of shape (n, n) and indexed [p, q] from 0."""
+
+    forward: ComplexArray  # Lambda_pq
+    backward: ComplexArray  # conj(Lambda_qp) for sums, Lambda_qp for differences
+
+
+def amplitude(system: PeriodicSystem, j: int) -> ComplexArray:
+    """Return E_j = F_cj - i F_sj, so that harmonic j of the excitation is Re(E_j e^{i j Omega t})."""
+    return system.cosine[j - 1] - 1j * system.sine[j - 1]
+
+
+def closed_form(modes: GyroscopicModes, E: ComplexArray, kind: str) -> Coupling:
+    """Return the couplings in terms of the displacement vectors w_n."""
+    sign = 1 if kind == "sum" else -1
+    w = modes.vectors
+    partner = w.conj() if kind == "sum" else w
+    forward = 0.5j * modes.frequencies[:, None] * _without_rounding(w, E, partner)
+    if _is_symmetric(E):
+        # w_q^T conj(E) w_p = conj(w_p^H E conj(w_q)): L comes out real without rounding
+        projection = forward.conj() / modes.frequencies[:, None]
+    else:
+        projection = -0.5j * _without_rounding(partner, E.conj(), w).T
+    return Coupling(forward, sign * projection * modes.frequencies)
+
+
+def products(modes: GyroscopicModes, E: ComplexArray, kind: str) -> ComplexArray:
+    """Return L for every pair, shape (n, n), with an imaginary part of exactly zero wherever L is real."""
+    forward, backward = closed_form(modes, E, kind)
+    L = forward * backward
+    return np.where(_is_symmetric(E) | (np.abs(L.imag) <= IMAGINARY * np.abs(L)), L.real, L)
+
+
+def block_form(blocks: ModalBlocks, j: int, kind: str) -> Coupling:
+    """Return the couplings in terms of the 2 x 2 blocks of eq. (18), as the paper has them.
+
+    Sums: eqs. (26b), (26c). Differences: eq. (28a), and eq. (28b) with - g^11 in place of its first - g^12.
+    """
+    g, h = blocks.G[j - 1], blocks.H[j - 1]
+    g11, g12, g21, g22 = (g[..., r, s] for r in (0, 1) for s in (0, 1))
+    h11, h12, h21, h22 = (h[..., r, s] for r in (0, 1) for s in (0, 1))
+    if kind == "sum":
+        forward = 0.5 * (h21 - 1j * h22 + 1j * g21 + g22 + 1j * h11 + h12 - g11 + 1j * g12)  # eq. (26b)
+        backward = 0.5 * (h21 + 1j * h22 - 1j * g21 + g22 - 1j * h11 + h12 - g11 - 1j * g12)  # eq. (26c)
+    else:
+        forward = 0.5 * (h21 + 1j * h22 + 1j * g21 - g22 + 1j * h11 - h12 - g11 - 1j * g12)  # eq. (28a)
+        backward = 0.5 * (-h21 - 1j * h22 + 1j * g21 - g22 - 1j * h11 + h12 - g11 - 1j * g12)  # eq. (28b), corrected
+    return Coupling(forward, backward.T)
+
+
+def _without_rounding(left: ComplexArray, E: ComplexArray, right: ComplexArray) -> ComplexArray:
+    """Return left^H E right with the elements that vanish but for rounding set to zero."""
+    product = left.conj().T @ E @ right
+    scale = np.abs(left).T @ np.abs(E) @ np.abs(right)
+    return np.where(np.abs(product) <= ROUNDING * scale, 0.0, product)
+
+
+def _is_symmetric(E: ComplexArray) -> bool:
+    return bool(np.abs(E - E.T).max() <= SYMMETRY_TOLERANCE * np.abs(E).max())

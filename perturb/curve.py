@@ -1,0 +1,146 @@
+"""TransitionCurve: the two edges of one region of parametric instability, whichever order of theory predicts them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from periodic.checks import FloatArray, real_array
+
+_SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
+
+
+class Resonance(Protocol):
+    """What a theory says about one resonance, in terms of s = j (Omega - centre)."""
+
+    @property
+    def slope(self) -> float:
+        """d(half width in s) / d eps as eps grows."""
+        ...
+
+    @property
+    def tip(self) -> float:
+        """The eps at which the region opens; infinite where it never does."""
+        ...
+
+    def edges(self, eps: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the edges in s; NaN where the region is closed."""
+        ...
+
+    def growth(self, s: FloatArray, eps: FloatArray) -> FloatArray:
+        """Return the largest growth rate among the resonant modes."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class TransitionCurve:
+    """Transition curves, eqs. (25) and (27), around j Omega = omega_p + omega_q or omega_p - omega_q.
+
+    Made by `transition_curves`. Frequencies are in the units of the system (dimensionless for the plate).
+
+    Attributes
+    ----------
+    p, q : int
+        Mode numbers from 1, p >= q.
+    j : int
+        Multiple of the excitation frequency that is in resonance. Second order also has j up to twice the number of
+        harmonics, through j = j1 + j2.
+    kind : {"sum", "difference"}
+    order : {1, 2}
+        Order in eps of the theory.
+    interaction : {1, 2}
+        1 where a harmonic j of the excitation couples the modes directly, 2 where only two interactions together do
+        (the excitation holds no harmonic j); such a region opens like eps^2.
+    centre : float
+        (omega_p ± omega_q) / j, where the region starts at eps = 0.
+    resonance : Resonance
+        The theory's description of the region.
+    """
+
+    p: int
+    q: int
+    j: int
+    kind: str
+    order: int
+    interaction: int
+    centre: float
+    resonance: Resonance
+
+    @property
+    def slope(self) -> float:
+        """d(half width in Omega) / d eps as eps grows, from the first-order interaction.
+
+        Without damping sqrt(L) / j; 0 where L <= 0 or the interaction is of second order. Infinite where the
+        instability does not end at any detuning (`perturb.pair.pair_edges`).
+        """
+        return float(self.resonance.slope) / self.j
+
+    @property
+    def tip(self) -> float:
+        """The eps below which damping keeps the region closed: 0 without damping, infinite if it never opens."""
+        return float(self.resonance.tip)
+
+    @property
+    def label(self) -> str:
+        """Name of the resonance: 2ω₁, ω₁+ω₃, ω₃−ω₁, for j > 1 2ω₁/2, (ω₁+ω₃)/2; "(2nd)" marks `interaction` 2."""
+        p, q = (f"ω{n}".translate(_SUBSCRIPTS) for n in (self.p, self.q))
+        if self.p == self.q:
+            name = f"2{p}"
+        else:
+            total = f"{q}+{p}" if self.kind == "sum" else f"{p}−{q}"
+            name = total if self.j == 1 else f"({total})"
+        if self.j > 1:
+            name = f"{name}/{self.j}"
+        return name if self.interaction == 1 else f"{name} (2nd)"
+
+    def edges(self, eps: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Return the lower and the upper edge of the region.
+
+        Parameters
+        ----------
+        eps : array_like, any shape
+            Excitation amplitude; its sign does not matter to first order.
+
+        Returns
+        -------
+        lower, upper : ndarray, shape of ``eps``
+            Omega of the edges, NaN where the region is closed, infinite where the theory finds no end. Without damping
+            a sum-type region whose modes are not coupled has no width: both edges lie at the centre.
+
+        Raises
+        ------
+        ValueError
+            If ``eps`` is not real or not finite.
+        """
+        low, high = self.resonance.edges(real_array("eps", eps, None))
+        return self.centre + low / self.j, self.centre + high / self.j
+
+    def growth_rate(self, Omega: ArrayLike, eps: ArrayLike) -> FloatArray:
+        """Return the largest growth rate among the modes in resonance, negative where both decay.
+
+        Parameters
+        ----------
+        Omega, eps : array_like
+            Excitation frequency and amplitude, shapes that broadcast together.
+
+        Returns
+        -------
+        ndarray, broadcast shape
+            Growth rate per unit of time; a Floquet multiplier has modulus exp(growth rate x period).
+
+        Raises
+        ------
+        ValueError
+            If an argument is not real or not finite, or the shapes do not broadcast.
+        """
+        frequency, amplitude = real_array("Omega", Omega, None), real_array("eps", eps, None)
+        try:
+            frequency, amplitude = np.broadcast_arrays(frequency, amplitude)
+        except ValueError:
+            raise ValueError(
+                f"Omega has shape {frequency.shape} and eps {amplitude.shape}; give shapes that broadcast together"
+            ) from None
+        return self.resonance.growth(self.j * (frequency - self.centre), amplitude)
