@@ -1,0 +1,212 @@
+"""The monodromy matrix at one point (Omega, eps): plain, accurate, and with its error. The oracle of the charts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+import scipy.linalg as sla
+from numpy.typing import NDArray
+
+from floquet.multipliers import Kind, combine, spectrum
+from floquet.reduction import Reduction, reduce_system
+from floquet.taylor import LARGEST, OVERFLOWN, integrate
+from periodic import PeriodicSystem, SystemFamily
+from periodic.checks import FloatArray, real_number
+
+TOLERANCE = 1e-11
+# Length of a step times the rate of the fastest motion. Longer steps need fewer terms in all (8.0 per radian at 4,
+# 6.4 at 6, 5.6 at 8), but cancellation between terms as large as exp(6) costs digits.
+STEP = 6.0
+TERMS = 40  # that a step of this length needs, about
+ORDER = 80  # never reached, unless the rate were wrong
+HALVINGS = 3  # of the step, while that helps
+PROBES = 8  # solutions that are integrated again with half the step
+# What a term costs: a call, and 2 floating-point operations an entry at a moderate speed. Longer than this is refused.
+SECONDS_A_TERM, SECONDS_A_FLOP, MOST_SECONDS = 2e-6, 1e-10, 900.0
+
+
+@dataclass(frozen=True, eq=False)
+class Monodromy:
+    """The monodromy matrix of a system at one (Omega, eps), its multipliers and the verdict.
+
+    Attributes
+    ----------
+    matrix : ndarray, shape (2n, 2n)
+        Phi(T), T = 2 pi / Omega, in the coordinates q = (W', W) of eq. (13).
+    multipliers : ndarray of complex, shape (2n,)
+        Eigenvalues of ``matrix`` by decreasing modulus. Those of a stable conservative or reversible system are on the
+        unit circle.
+    growth_rate : float
+        max log|mu| / T, per unit of time; 0 for a stable conservative system.
+    error : float
+        Estimated spectral norm of the error of ``matrix``, divided by max(1, norm of ``matrix``).
+    log_modulus_error : float
+        Estimated error of max log|mu| = growth_rate T; near a double multiplier of the order of the square root of
+        ``error``.
+    kind : Kind
+        Stable, unstable through a multiplier near +1, near -1 or a complex pair, or undecided.
+    """
+
+    matrix: FloatArray
+    multipliers: NDArray[np.complex128]
+    growth_rate: float
+    error: float
+    log_modulus_error: float
+    kind: Kind
+
+
+class PeriodMap(NamedTuple):
+    """Monodromy matrix of one block in its energy coordinates, with the estimated Frobenius norms of its errors.
+
+    ``error`` belongs to ``matrix``, ``error_in_q`` to the matrix in (W', W).
+    """
+
+    matrix: FloatArray
+    error: float
+    error_in_q: float
+
+
+def monodromy(system: SystemFamily, Omega: float, eps: float, *, tolerance: float = TOLERANCE) -> Monodromy:
+    """Integrate a periodic system over one period.
+
+    Parameters
+    ----------
+    system : PeriodicSystem or SystemFamily
+        The system, or a family, of which the member at ``Omega`` is taken.
+    Omega : float
+        Excitation frequency, > 0.
+    eps : float
+        Excitation amplitude, any sign.
+    tolerance : float
+        Wanted error of the matrix relative to max(1, its norm), between 1e-15 and 1e-3. Rounding may not allow it:
+        ``Monodromy.error`` tells what was achieved.
+
+    Returns
+    -------
+    Monodromy
+
+    Raises
+    ------
+    ValueError
+        If an argument is of the wrong type, not finite or out of range; if the solution grows by more than a factor of
+        1e150 in one period; if the period is so long that the integration would take a quarter of an hour.
+
+    Notes
+    -----
+    Taylor series of the solution in steps of equal length (`floquet.taylor`), each with as many terms as
+    it needs. Eight random solutions are integrated once more with half the step; the difference is the error
+    estimate. Nothing is shared with `stability_chart`.
+    """
+    Omega = real_number("Omega", Omega, positive=True)
+    eps = real_number("eps", eps)
+    tolerance = real_number("tolerance", tolerance, positive=True)
+    if not 1e-15 <= tolerance <= 1e-3:
+        raise ValueError(f"tolerance = {tolerance!r} is out of range; give a number from 1e-15 to 1e-3")
+    member = member_at(system, Omega)
+    blocks = reduce_system(member, Omega, eps)
+    maps = [period_map(block, Omega, eps, tolerance) for block in blocks]
+    joint = combine(
+        [
+            spectrum(found.matrix, found.error, reciprocal=block.reciprocal, form=block.form)
+            for block, found in zip(blocks, maps, strict=True)
+        ]
+    )
+    n = member.size
+    matrix = np.zeros((2 * n, 2 * n))
+    for block, found in zip(blocks, maps, strict=True):
+        rows = np.concatenate([block.coordinates, n + block.coordinates])
+        matrix[np.ix_(rows, rows)] = block.to_q @ found.matrix @ block.from_q
+    error = np.linalg.norm([found.error_in_q for found in maps]) / max(1.0, float(np.linalg.norm(matrix, 2)))
+    for array in (matrix, joint.multipliers):
+        array.setflags(write=False)
+    growth_rate = joint.log_modulus * Omega / (2 * np.pi)
+    return Monodromy(matrix, joint.multipliers, growth_rate, float(error), joint.error, joint.kind)
+
+
+def member_at(family: Any, Omega: float, name: str = "system") -> PeriodicSystem:
+    """Return the member of ``family`` at ``Omega``.
+
+    Raises
+    ------
+    ValueError
+        If ``family`` is no `SystemFamily`.
+    """
+    if isinstance(family, type) or not callable(getattr(family, "at", None)):
+        raise ValueError(
+            f"{name} = {family!r} is no system; give a PeriodicSystem or an object with a method at(Omega)"
+        )
+    member = family.at(Omega)
+    if not isinstance(member, PeriodicSystem):
+        raise ValueError(f"{name}.at({Omega!r}) gave {member!r}; it must give a PeriodicSystem")
+    return member
+
+
+def period_map(block: Reduction, Omega: float, eps: float, tolerance: float) -> PeriodMap:
+    """Integrate one block over one period and estimate the error.
+
+    Raises
+    ------
+    ValueError
+        If the solution overflows or the integration would take too long (``Omega`` and ``eps`` are named).
+    """
+    m = len(block.coordinates)
+    start = np.eye(2 * m)
+    probes, share = _probes(m)
+    # norms of the two halves of from_q: how much of a disturbance of q each half of y receives
+    receives = np.linalg.norm(block.from_q.reshape(2, m, 2 * m), 2, axis=(1, 2))
+    steps = int(np.ceil(2 * np.pi / Omega * block.rate / STEP))
+    best = PeriodMap(start, np.inf, np.inf)
+    for _ in range(HALVINGS + 1):
+        matrix = _propagate(block, Omega, eps, steps, tolerance, start)
+        defect = matrix @ probes - _propagate(block, Omega, eps, 2 * steps, tolerance, probes)
+        halves = np.stack(np.split(defect, 2, axis=1)) / np.sqrt(share)
+        # what both integrations have in common: rounding of the coefficients, and what the reduction dropped
+        common = np.finfo(float).eps * np.sqrt(steps) + 2 * np.pi / Omega * block.neglected
+        norm = float(np.linalg.norm(matrix, 2))
+        error = np.linalg.norm(halves) + common * norm
+        in_q = np.linalg.norm(block.to_q @ halves, axis=(1, 2)) @ receives
+        in_q += common * np.linalg.norm(block.to_q @ matrix @ block.from_q, 2)
+        if error > 0.5 * best.error:  # rounding rules: shorter steps do not help
+            break
+        best = PeriodMap(matrix, float(error), float(in_q))
+        if error <= tolerance * max(1.0, norm):
+            break
+        steps *= 2
+    return best
+
+
+def _probes(m: int) -> tuple[FloatArray, int]:
+    """Return initial values (2m, columns), half of them in y1 and half in y2, and how many columns stand for each half.
+
+    The squared norm of a matrix times a normally distributed vector is on average its squared Frobenius norm. The
+    seed is fixed: a point has the same error estimate in every run.
+    """
+    if 2 * m <= PROBES:
+        return np.eye(2 * m), 1
+    share = PROBES // 2
+    values = np.random.default_rng(0).standard_normal((2, m, share))
+    return np.asarray(sla.block_diag(*values)), share
+
+
+def _propagate(
+    block: Reduction, Omega: float, eps: float, steps: int, tolerance: float, start: FloatArray
+) -> FloatArray:
+    """Return the values after one period of the solutions that begin with the columns of ``start`` (2m, columns)."""
+    m, columns = len(block.coordinates), start.shape[1]
+    seconds = steps * TERMS * (SECONDS_A_TERM + 2 * block.equations.S.size * columns * SECONDS_A_FLOP)
+    if seconds > MOST_SECONDS:
+        raise ValueError(
+            f"Omega = {Omega!r} means {steps} steps in one period, about {seconds:.0f} s at eps = {eps!r}; "
+            f"give Omega above {Omega * seconds / MOST_SECONDS:.3g}"
+        )
+    y1, y2 = start[:m].copy(), start[m:].copy()
+    local = max(0.1 * tolerance / steps, np.finfo(float).eps / 16)
+    status = integrate(block.equations, Omega, steps, ORDER, local, y1, y2)
+    if status == OVERFLOWN:
+        raise ValueError(
+            f"eps = {eps!r} at Omega = {Omega!r}: the solution grows by more than {LARGEST:.0e} in one period; "
+            "give a smaller eps or a larger Omega"
+        )
+    return np.concatenate([y1, y2])

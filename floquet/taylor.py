@@ -1,0 +1,143 @@
+"""Kernels of the single-point integrator: Taylor series of the solution, step after step.
+
+The equations are those of one decoupled block in energy coordinates (`floquet.monodromy`),
+
+    y1' = w y2,      y2' = -k y1 - D y2 - sum_r f_r(t) B_r y1,
+    f_r(t) = sum_j alpha[r, j] cos(j Omega t) + beta[r, j] sin(j Omega t),    j = 0..J,
+
+with w and k diagonal. The Taylor coefficients of a solution follow from one another by Cauchy products (Leibniz'
+rule), so a step of any order costs one matrix product a term. The method needs no stage coefficients, has no order
+barrier and is unrelated to splitting and to doubling, which is what an oracle for the chart engine has to be.
+
+Source: A. Jorba and M. Zou, "A software package for the numerical integration of ODEs by means of high-order Taylor
+methods", Experimental Mathematics 14 (2005) 99-117.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from periodic.checks import FloatArray
+
+# Solutions beyond this size are not followed: their squares, which norms need, would overflow.
+LARGEST = 1e150
+# Taylor coefficients of f_r below this part of the largest cannot change a float64 sum.
+NEGLIGIBLE = 1e-19
+
+CONVERGED, UNCONVERGED, OVERFLOWN = 0, 1, 2
+
+
+class Block(NamedTuple):
+    """Coefficients of one block of m coordinates: w, k (m,); S (m, R m) or (m, (R + 1) m); alpha, beta (R, J + 1).
+
+    ``S`` holds B_1 ... B_R side by side and, if ``damped``, D behind them.
+    """
+
+    w: FloatArray
+    k: FloatArray
+    S: FloatArray
+    damped: bool
+    alpha: FloatArray
+    beta: FloatArray
+
+
+@njit(cache=True, nogil=True)
+def forcing_coefficients(alpha, beta, Omega, t, h, order):  # type: ignore[no-untyped-def]
+    """Taylor coefficients h^i f_r^(i)(t) / i! in reversed order, shape (R, order): the last column is f_r(t) itself."""
+    coefficients = np.zeros((alpha.shape[0], order))
+    for j in range(alpha.shape[1]):
+        c, s = np.cos(j * Omega * t), np.sin(j * Omega * t)
+        power = 1.0
+        for i in range(order):
+            for r in range(alpha.shape[0]):
+                coefficients[r, order - 1 - i] += power * (alpha[r, j] * c + beta[r, j] * s)
+            c, s = -s, c  # differentiation turns the phase by a quarter
+            power *= j * Omega * h / (i + 1)
+    return coefficients
+
+
+@njit(cache=True, nogil=True)
+def significant(coefficients):  # type: ignore[no-untyped-def]
+    """Number of trailing columns (lowest derivatives) that matter in float64."""
+    order = coefficients.shape[1]
+    floor = NEGLIGIBLE * np.abs(coefficients).max()
+    for i in range(order):
+        if np.abs(coefficients[:, i]).max() > floor:
+            return order - i
+    return 1
+
+
+@njit(cache=True, nogil=True)
+def taylor_step(block, coefficients, h, tolerance, y1, y2, history, stacked):  # type: ignore[no-untyped-def]
+    """Advance (y1, y2), each (m, columns), in place by h; return the number of terms and the last term's relative size.
+
+    The series ends when two successive terms are below ``tolerance`` relative to the solution, or at the order that
+    ``coefficients`` (R, order) and ``history`` (order + 1, m * columns) allow. ``stacked`` is work space with a row
+    for each column of S.
+    """
+    m, columns = y1.shape
+    functions = coefficients.shape[0]
+    order = history.shape[0] - 1
+    memory = significant(coefficients)
+    first = history[0].reshape(m, columns)
+    first[:] = y1
+    term2 = y2.copy()
+    force = np.empty((m, columns))
+    previous = np.inf
+    relative = np.inf
+    for q in range(order):
+        present = history[q].reshape(m, columns)
+        following = history[q + 1].reshape(m, columns)
+        span = min(q + 1, memory)
+        for r in range(functions):
+            # Cauchy product: Taylor coefficient q of f_r y1
+            row = coefficients[r]
+            product = np.dot(row[order - span :], history[q + 1 - span : q + 1])
+            stacked[r * m : (r + 1) * m] = product.reshape(m, columns)
+        if block.damped:
+            stacked[functions * m :] = term2
+        np.dot(block.S, stacked, force)
+        scale = h / (q + 1)
+        for i in range(m):
+            ahead, back = scale * block.w[i], scale * block.k[i]
+            for c in range(columns):
+                following[i, c] = ahead * term2[i, c]
+                term2[i, c] = -back * present[i, c] - scale * force[i, c]
+                y1[i, c] += following[i, c]
+                y2[i, c] += term2[i, c]
+        # norms by dot products: BLAS is several times faster than a loop with comparisons
+        size = np.dot(y1.ravel(), y1.ravel()) + np.dot(y2.ravel(), y2.ravel())
+        latest = np.dot(history[q + 1], history[q + 1]) + np.dot(term2.ravel(), term2.ravel())
+        relative = np.sqrt(latest / size) if size > 0.0 else np.inf
+        if relative <= tolerance and previous <= tolerance:
+            return q + 1, relative
+        previous = relative
+    return order, relative
+
+
+@njit(cache=True, nogil=True)
+def integrate(block, Omega, steps, order, tolerance, y1, y2):  # type: ignore[no-untyped-def]
+    """Advance (y1, y2) in place over one period in equal steps.
+
+    Returns
+    -------
+    status : int
+        CONVERGED, UNCONVERGED (a series did not end below ``tolerance``) or OVERFLOWN.
+    """
+    m, columns = y1.shape
+    history = np.empty((order + 1, m * columns))
+    stacked = np.empty((block.S.shape[1], columns))
+    h = 2.0 * np.pi / Omega / steps
+    status = CONVERGED
+    for step in range(steps):
+        coefficients = forcing_coefficients(block.alpha, block.beta, Omega, step * h, h, order)
+        _, relative = taylor_step(block, coefficients, h, tolerance, y1, y2, history, stacked)
+        if not relative <= tolerance:
+            status = UNCONVERGED
+        largest = max(np.abs(y1).max(), np.abs(y2).max())
+        if not largest <= LARGEST:
+            return OVERFLOWN
+    return status
