@@ -47,20 +47,20 @@ def closed_form(modes: GyroscopicModes, E: ComplexArray, kind: str) -> Coupling:
     sign = 1 if kind == "sum" else -1
     w = modes.vectors
     partner = w.conj() if kind == "sum" else w
-    forward = 0.5j * modes.frequencies[:, None] * _without_rounding(w, E, partner)
-    if _is_symmetric(E):
+    forward = 0.5j * modes.frequencies[:, None] * projection(w, E, partner)
+    if is_symmetric(E):
         # w_q^T conj(E) w_p = conj(w_p^H E conj(w_q)): L comes out real without rounding
-        projection = forward.conj() / modes.frequencies[:, None]
+        back = forward.conj() / modes.frequencies[:, None]
     else:
-        projection = -0.5j * _without_rounding(partner, E.conj(), w).T
-    return Coupling(forward, sign * projection * modes.frequencies)
+        back = -0.5j * projection(partner, E.conj(), w).T
+    return Coupling(forward, sign * modes.frequencies * back)
 
 
 def products(modes: GyroscopicModes, E: ComplexArray, kind: str) -> ComplexArray:
     """Return L for every pair, shape (n, n), with an imaginary part of exactly zero wherever L is real."""
     forward, backward = closed_form(modes, E, kind)
     L = forward * backward
-    return np.where(_is_symmetric(E) | (np.abs(L.imag) <= IMAGINARY * np.abs(L)), L.real, L)
+    return np.where(is_symmetric(E) | (np.abs(L.imag) <= IMAGINARY * np.abs(L)), L.real, L)
 
 
 def block_form(blocks: ModalBlocks, j: int, kind: str) -> Coupling:
@@ -80,12 +80,14 @@ def block_form(blocks: ModalBlocks, j: int, kind: str) -> Coupling:
     return Coupling(forward, backward.T)
 
 
-def _without_rounding(left: ComplexArray, E: ComplexArray, right: ComplexArray) -> ComplexArray:
-    """Return left^H E right with the elements that vanish but for rounding set to zero."""
+def projection(left: ComplexArray, E: ComplexArray, right: ComplexArray) -> ComplexArray:
+    """Return left^H E right, with exact zeros where modes of different symmetry leave rounding."""
     product = left.conj().T @ E @ right
     scale = np.abs(left).T @ np.abs(E) @ np.abs(right)
-    return np.where(np.abs(product) <= ROUNDING * scale, 0.0, product)
+    largest = np.sqrt(np.outer(scale.max(axis=1), scale.max(axis=0)))
+    return np.where(np.abs(product) <= ROUNDING * largest, 0.0, product)
 
 
-def _is_symmetric(E: ComplexArray) -> bool:
+def is_symmetric(E: ComplexArray) -> bool:
+    """Whether E is symmetric to rounding."""
     return bool(np.abs(E - E.T).max() <= SYMMETRY_TOLERANCE * np.abs(E).max())
