@@ -20,7 +20,7 @@ from periodic.checks import FloatArray
 
 def sine_wavenumbers(terms: int, length: float) -> FloatArray:
     """Return k pi / r for k = 1..terms, shape (terms,)."""
-    return np.pi / length * np.arange(1, terms + 1)
+    return np.arange(1.0, terms + 1.0) * (np.pi / length)
 
 
 def sines(X: FloatArray, terms: int, length: float) -> FloatArray:
@@ -36,7 +36,7 @@ def sine_slopes(X: FloatArray, terms: int, length: float) -> FloatArray:
 
 def legendre(t: FloatArray, terms: int) -> FloatArray:
     """Return q_l(t), shape (t.size, terms)."""
-    return np.polynomial.legendre.legvander(2 * t - 1, terms - 1) * np.sqrt(2 * np.arange(terms) + 1)
+    return np.polynomial.legendre.legvander(2 * t - 1, terms - 1) * np.sqrt(np.arange(1.0, 2.0 * terms, 2.0))
 
 
 def legendre_derivative(terms: int) -> FloatArray:
@@ -65,6 +65,12 @@ def sine_legendre(sine_terms: int, legendre_terms: int) -> FloatArray:
     # Im i^(k + m), from a table so that the zeros are exact
     phase = np.array([0.0, 1.0, 0.0, -1.0])[(k + m) % 4]
     return np.sqrt(2 * (2 * m + 1)) * phase * spherical_jn(m, k * np.pi / 2)
+
+
+def kronecker(axial: FloatArray, lateral: FloatArray) -> FloatArray:
+    """Return the matrix on products of an axial and a lateral function, the lateral index running fastest."""
+    rows, columns = axial.shape[0] * lateral.shape[0], axial.shape[1] * lateral.shape[1]
+    return (axial[:, None, :, None] * lateral[None, :, None, :]).reshape(rows, columns)
 
 
 def gauss_legendre(points: int, start: float, end: float) -> tuple[FloatArray, FloatArray]:

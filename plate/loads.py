@@ -204,6 +204,10 @@ class EdgeLoad:
         """Number of harmonics J."""
         return len(self.f_c)
 
+    def harmonic(self, j: int) -> tuple[Distribution, Distribution]:
+        """Return f_cj and f_sj of eq. (7) for j from 0 (the static load, zero) to J."""
+        return (self.static, 0 * self.static) if j == 0 else (self.f_c[j - 1], self.f_s[j - 1])
+
     def with_waveform(self, waveform: str | Mapping[int, tuple[Any, Any]], harmonics: int | None = None) -> EdgeLoad:
         """Return the same static load with another periodic part.
 

@@ -5,21 +5,51 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import eigh
 
 from periodic import PeriodicSystem
-from periodic.checks import FloatArray, one_of, real_number, whole_number
+from periodic.checks import FloatArray, grid, one_of, real_number, whole_number
 from plate import transverse
-from plate.distribution import Distribution
+from plate.dynamic import DynamicStress
+from plate.inplane import InPlaneProblem, StressField
 from plate.loads import EdgeLoad
+from plate.stress import MembraneStress, StaticStress, StressModel
 
-INPLANE_MODELS = ("membrane",)
+INPLANE_MODELS = ("membrane", "static", "dynamic")
 
 # More trial functions in one direction than any study needs; the limit keeps a slip from filling the memory.
 MOST_TERMS = 200
+
+# The divergence speed with in-plane inertia converges by a factor of about f0 (h/b)^2 / 12 an iteration.
+MOST_ITERATIONS = 50
+
+# Relative change of V_cr^2 at which its iteration stops.
+SPEED_TOLERANCE = 1e-14
+
+# Points of a stress field's grid in each direction: steps of a fortieth.
+GRID = 41
+
+# A place beyond the end of the plate by this share of its length is on the end: rounding of x/a times r.
+PLACE_ROUNDING = 1e-12
+
+
+class InPlaneFrequencies(NamedTuple):
+    """Natural frequencies of in-plane vibration, ascending, by symmetry about the mid-line y = b/2.
+
+    Parameters
+    ----------
+    symmetric : ndarray
+        u even and v odd in y - b/2.
+    antisymmetric : ndarray
+        u odd and v even.
+    """
+
+    symmetric: FloatArray
+    antisymmetric: FloatArray
 
 
 @dataclass(frozen=True)
@@ -65,12 +95,15 @@ class MovingPlate:
         h/b > 0. It matters only for ``inplane="dynamic"``, through the in-plane stiffness 12 (b/h)^2.
     load : EdgeLoad
         Shape of the tension over the edges and in time; uniform and pulsating as cos(Omega t) by default.
-    inplane : {"membrane"}
-        How the in-plane stress follows from the edge load: "membrane", N_xx = f(y) and N_yy = N_xy = 0.
+    inplane : {"membrane", "static", "dynamic"}
+        How the in-plane stress follows from the edge load: "membrane", N_xx = f(y) and N_yy = N_xy = 0; "static", from
+        eq. (8) without inertia and transport; "dynamic", from eq. (8) in full, V^2 K_ig in the static stress included.
     axial_terms : int
         K, sines along x.
     lateral_terms : int
         L + 1, polynomials in y of degree 0 to L. The system has n = axial_terms * lateral_terms coordinates.
+    inplane_terms : tuple of two int
+        M + 1 and N + 1, functions of x and of y in each of u and v, for "static" and "dynamic".
 
     Raises
     ------
@@ -115,7 +148,7 @@ class MovingPlate:
         if abs(self.speed) >= self.critical_speed():
             raise ValueError(
                 f"speed = {self.speed!r} is not below the divergence speed {self.critical_speed():.10g}, from which on "
-                "K_o is not positive definite and the plate diverges without excitation; lower the speed or raise tension"
+                "the plate diverges without excitation (K_o is not positive definite); lower speed or raise tension"
             )
 
     @classmethod
@@ -218,7 +251,7 @@ class MovingPlate:
     @cached_property
     def static_stress_stiffness(self) -> FloatArray:
         """F_c0 of eq. (11), shape (n, n): f0 F_c0 is the stiffness given by the static stress."""
-        return _read_only(self._stress_stiffness(self.load.static))
+        return _read_only(self._stress.static_stiffness(self.speed))
 
     def critical_speed(self) -> float:
         """Return the divergence speed V_cr, dimensionless.
@@ -232,8 +265,19 @@ class MovingPlate:
         """
         return self._critical_speed
 
+    def inplane_frequencies(self) -> InPlaneFrequencies:
+        """Return the natural frequencies of in-plane vibration at rest, undamped, dimensionless.
+
+        Those of the discretised problem (8), whatever ``inplane`` says; the lowest half or so are accurate. The rigid
+        translation along x, of frequency 0, is left out.
+        """
+        symmetric, antisymmetric = (self._wave_speed * block.kappa for block in self._inplane_problem.blocks)
+        return InPlaneFrequencies(_read_only(symmetric), _read_only(antisymmetric))
+
     def at(self, Omega: float) -> PeriodicSystem:
         """Return the system (11) at excitation frequency ``Omega`` (`periodic.SystemFamily`).
+
+        Only with ``inplane="dynamic"`` does it depend on ``Omega``, through ``cosine`` and ``sine``.
 
         Parameters
         ----------
@@ -249,39 +293,118 @@ class MovingPlate:
         ------
         ValueError
             If ``Omega`` is negative or not a finite number.
+
+        Warns
+        -----
+        InPlaneResonanceWarning
+            If a harmonic comes near an in-plane resonance.
         """
-        real_number("Omega", Omega, nonnegative=True)
-        return self._system
+        Omega = real_number("Omega", Omega, nonnegative=True)
+        return self._system_at(Omega) if self.inplane == "dynamic" else self._system
+
+    def stress(
+        self, Omega: float, harmonic: int, x: ArrayLike | None = None, y: ArrayLike | None = None
+    ) -> StressField:
+        """Return the in-plane stress of one harmonic on a grid, eqs. (3) and (8).
+
+        Parameters
+        ----------
+        Omega : float
+            Excitation frequency >= 0, dimensionless; it counts only for harmonics with ``inplane="dynamic"``.
+        harmonic : int
+            j from 0 (the static stress, f0 included) to J (the amplitude for eps = 1).
+        x, y : array_like, optional
+            Places x/b from 0 to r and y/b from 0 to 1, increasing; 41 equally spaced ones each by default.
+
+        Returns
+        -------
+        StressField
+            Multiples of ``tension_unit``, as f0 is.
+
+        Raises
+        ------
+        ValueError
+            If an argument is out of range.
+        """
+        Omega = real_number("Omega", Omega, nonnegative=True)
+        harmonic = whole_number("harmonic", harmonic, least=0, most=self.load.harmonics)
+        X, Y = _places("x", x, self.aspect_ratio), _places("y", y, 1.0)
+        stresses = self._stress.field(harmonic, Omega, X, Y)
+        N_xx, N_yy, N_xy = (_read_only(self.tension * N.T) for N in stresses)
+        return StressField(X, Y, N_xx, N_yy, N_xy)
 
     @cached_property
     def _system(self) -> PeriodicSystem:
+        return self._system_at(0.0)
+
+    def _system_at(self, Omega: float) -> PeriodicSystem:
+        F = np.empty((self.load.harmonics, *self._stiffness.shape), dtype=np.complex128)
+        for j in range(1, self.load.harmonics + 1):
+            F[j - 1] = self.tension * self._stress.stiffness(j, Omega)
         return PeriodicSystem(
             mass=np.eye(self.axial_terms * self.lateral_terms),
-            gyroscopic=self.speed * transverse.gyroscopic(*self._terms, self.aspect_ratio),
+            gyroscopic=self.speed * self._gyroscopic,
             damping=self.damping * self.elastic_stiffness,
-            stiffness=self.elastic_stiffness
-            + self.speed**2 * self.transport_stiffness
-            + self.tension * self.static_stress_stiffness,
-            cosine=np.array([self.tension * self._stress_stiffness(f) for f in self.load.f_c]),
-            sine=np.array([self.tension * self._stress_stiffness(f) for f in self.load.f_s]),
+            stiffness=self._stiffness,
+            cosine=F.real,
+            sine=-F.imag,
         )
 
     @cached_property
-    def _critical_speed(self) -> float:
-        tension_stiffness = self.tension * self.static_stress_stiffness
-        lowest = eigh(self.elastic_stiffness + tension_stiffness, -self.transport_stiffness, eigvals_only=True)[0]
-        if lowest <= 0:
-            # K_oe + f0 F_c0 is singular where -1/f0 is an eigenvalue of the pencil (F_c0, K_oe).
-            inverse = eigh(self.static_stress_stiffness, self.elastic_stiffness, eigvals_only=True)
-            limit = -1 / (inverse[-1] if self.tension < 0 else inverse[0])
-            raise ValueError(
-                f"tension = {self.tension!r} buckles the plate at rest, as every tension beyond {limit:.10g} does; "
-                "give one nearer zero"
-            )
-        return math.sqrt(lowest)
+    def _gyroscopic(self) -> FloatArray:
+        return transverse.gyroscopic(*self._terms, self.aspect_ratio)
 
-    def _stress_stiffness(self, load: Distribution) -> FloatArray:
-        return transverse.membrane_stiffness(load, *self._terms, self.aspect_ratio)
+    @cached_property
+    def _stiffness(self) -> FloatArray:
+        K_oe, K_og, F_c0 = self.elastic_stiffness, self.transport_stiffness, self.static_stress_stiffness
+        return K_oe + self.speed**2 * K_og + self.tension * F_c0
+
+    @cached_property
+    def _critical_speed(self) -> float:
+        # With in-plane inertia F_c0 depends on the speed, weakly: V_cr^2 is a fixed point. Else the second turn agrees.
+        square = 0.0
+        for _ in range(MOST_ITERATIONS):
+            F_c0 = self._stress.static_stiffness(math.sqrt(square))
+            lowest = eigh(self.elastic_stiffness + self.tension * F_c0, -self.transport_stiffness, eigvals_only=True)[0]
+            if lowest <= 0:
+                raise ValueError(self._buckled(F_c0))
+            if abs(lowest - square) <= SPEED_TOLERANCE * lowest:
+                return math.sqrt(lowest)
+            square = float(lowest)
+        raise ValueError(
+            f"thickness_ratio = {self.thickness_ratio!r} is too large for tension = {self.tension!r}: transport at the "
+            "divergence speed changes the in-plane stress itself; give a thinner plate or less tension"
+        )
+
+    def _buckled(self, F_c0: FloatArray) -> str:
+        # K_oe + f0 F_c0 is singular where -1/f0 is an eigenvalue of the pencil (F_c0, K_oe).
+        inverse = eigh(F_c0, self.elastic_stiffness, eigvals_only=True)
+        limit = -1 / (inverse[-1] if self.tension < 0 else inverse[0])
+        return (
+            f"tension = {self.tension!r} buckles the plate at rest, as every tension beyond {limit:.10g} does; "
+            "give one nearer zero"
+        )
+
+    @cached_property
+    def _inplane_problem(self) -> InPlaneProblem:
+        return InPlaneProblem(self.aspect_ratio, self.poisson_ratio, *self.inplane_terms)
+
+    @cached_property
+    def _stress(self) -> StressModel:
+        match self.inplane:
+            case "membrane":
+                return MembraneStress(self.load, self.aspect_ratio, *self._terms)
+            case "static":
+                return StaticStress(self.load, self._inplane_problem, *self._terms)
+            case _:
+                return DynamicStress(
+                    self.load, self._inplane_problem, *self._terms, self._wave_speed, self.speed, self.damping
+                )
+
+    @property
+    def _wave_speed(self) -> float:
+        """C = sqrt(beta) = sqrt(12) b/h, the speed of in-plane stretching waves at nu = 0."""
+        return math.sqrt(12) / self.thickness_ratio
 
     @property
     def _terms(self) -> tuple[int, int]:
@@ -305,6 +428,13 @@ def _inplane_terms(value: Any) -> tuple[int, int]:
     )
 
 
-def _read_only(array: FloatArray) -> FloatArray:
+def _read_only(array: NDArray[Any]) -> NDArray[Any]:
     array.setflags(write=False)
     return array
+
+
+def _places(name: str, value: ArrayLike | None, end: float) -> FloatArray:
+    places = grid(name, np.linspace(0.0, end, GRID) if value is None else value)
+    if places[0] < 0 or places[-1] > end * (1 + PLACE_ROUNDING):
+        raise ValueError(f"{name} runs from {places[0]!r} to {places[-1]!r}; keep within 0 to {end!r}")
+    return places

@@ -1,21 +1,40 @@
 """Transverse problem: the matrices of eq. (11), from the weak form (10) in the trial space (9).
 
-The factor of s_k(X) q_l(Y), k = 1..K and l = 0..L, is coordinate (k - 1) (L + 1) + l: every matrix is a sum of Kronecker
-products of an axial and a lateral matrix. Since the basis is orthonormal, M is the identity.
+The factor of s_k(X) q_l(Y), k = 1..K and l = 0..L, is coordinate (k - 1) (L + 1) + l: every matrix is a sum of
+Kronecker products of an axial and a lateral matrix. Since the basis is orthonormal, M is the identity.
 """
 
 from __future__ import annotations
 
+import math
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from periodic.checks import FloatArray
-from plate.basis import legendre_derivative, sine_derivative, sine_wavenumbers
+from plate.basis import (
+    gauss_legendre,
+    kronecker,
+    legendre,
+    legendre_derivative,
+    sine_derivative,
+    sine_slopes,
+    sine_wavenumbers,
+    sines,
+)
 from plate.distribution import Distribution
+
+Rule = tuple[FloatArray, FloatArray]
+NumericArray = NDArray[Any]
+
+# Nodes beyond the phase limit after which the quadrature error is below rounding (tested by doubling the rule).
+SPARE_NODES = 16
 
 
 def gyroscopic(K: int, lateral: int, r: float) -> FloatArray:
     """Return G_o of eq. (11), 2 (w_X, phi): skew-symmetric, shape (K lateral, K lateral)."""
-    return np.kron(2 * sine_derivative(K, r), np.eye(lateral))
+    return kronecker(2 * sine_derivative(K, r), np.eye(lateral))
 
 
 def elastic_stiffness(K: int, lateral: int, r: float, nu: float) -> FloatArray:
@@ -25,18 +44,73 @@ def elastic_stiffness(K: int, lateral: int, r: float, nu: float) -> FloatArray:
     D = legendre_derivative(lateral)
     D2 = D @ D
     return (
-        np.kron(alpha2 @ alpha2, one_y)  # (w_XX, phi_XX)
-        + np.kron(one_x, D2.T @ D2)  # (w_YY, phi_YY)
-        - nu * np.kron(alpha2, D2 + D2.T)  # nu (w_XX, phi_YY) + nu (w_YY, phi_XX)
-        + 2 * (1 - nu) * np.kron(alpha2, D.T @ D)  # 2 (1 - nu) (w_XY, phi_XY)
+        kronecker(alpha2 @ alpha2, one_y)  # (w_XX, phi_XX)
+        + kronecker(one_x, D2.T @ D2)  # (w_YY, phi_YY)
+        - nu * kronecker(alpha2, D2 + D2.T)  # nu (w_XX, phi_YY) + nu (w_YY, phi_XX)
+        + 2 * (1 - nu) * kronecker(alpha2, D.T @ D)  # 2 (1 - nu) (w_XY, phi_XY)
     )
 
 
 def transport_stiffness(K: int, lateral: int, r: float) -> FloatArray:
     """Return K_og of eq. (11), -(w_X, phi_X): negative definite."""
-    return -np.kron(np.diag(sine_wavenumbers(K, r) ** 2), np.eye(lateral))
+    return -kronecker(np.diag(sine_wavenumbers(K, r) ** 2), np.eye(lateral))
 
 
 def membrane_stiffness(load: Distribution, K: int, lateral: int, r: float) -> FloatArray:
     """Return F of eq. (11) for the stresses N_xx = f(y), N_yy = N_xy = 0: (f w_X, phi_X)."""
-    return np.kron(np.diag(sine_wavenumbers(K, r) ** 2), load.moments(lateral))
+    return kronecker(np.diag(sine_wavenumbers(K, r) ** 2), load.moments(lateral))
+
+
+def stress_quadrature(K: int, lateral: int, r: float, inplane_terms: tuple[int, int]) -> tuple[Rule, Rule]:
+    """Return Gauss rules along x and across y that integrate `stress_stiffness` to rounding.
+
+    Across y the integrand is a polynomial and its rule exact. Along x it is a polynomial, or sines of at most
+    ``inplane_terms[0]`` half waves, times sines of at most 2 K half waves together; Gauss's rule resolves m half waves
+    with pi m / 4 nodes and converges faster than exponentially beyond.
+    """
+    axial, across = inplane_terms
+    phase = math.pi * (axial + 2 * K)
+    X_rule = gauss_legendre(math.ceil(axial / 2 + phase / 4) + SPARE_NODES, 0.0, r)
+    Y_rule = gauss_legendre((across - 1 + 2 * (lateral - 1)) // 2 + 1, 0.0, 1.0)
+    return X_rule, Y_rule
+
+
+def stress_stiffness(
+    stresses: NumericArray, X_rule: Rule, Y_rule: Rule, K: int, lateral: int, r: float
+) -> NumericArray:
+    """Return F of eq. (11) for N_xx, N_yy, N_xy given on the nodes of two rules.
+
+    Parameters
+    ----------
+    stresses : ndarray, shape (..., 3, p, q)
+        Values on the p nodes of ``X_rule`` and the q nodes of ``Y_rule``.
+
+    Returns
+    -------
+    ndarray, shape (..., K lateral, K lateral)
+        Symmetric, real or complex as the stresses are.
+    """
+    (X, X_weights), (Y, Y_weights) = X_rule, Y_rule
+    s, s_X = sines(X, K, r), sine_slopes(X, K, r)
+    q = legendre(Y, lateral)
+    q_Y = q @ legendre_derivative(lateral)
+    N_xx, N_yy, N_xy = np.moveaxis(stresses, -3, 0)
+
+    def integral(N: NumericArray, axial: tuple[FloatArray, FloatArray], across: tuple[FloatArray, FloatArray]) -> Any:
+        return _products(*axial, X_weights).T @ N @ _products(*across, Y_weights)
+
+    # each with the test function first, the trial function second
+    F = (
+        integral(N_xx, (s_X, s_X), (q, q))  # (N_xx w_X, phi_X)
+        + integral(N_yy, (s, s), (q_Y, q_Y))  # (N_yy w_Y, phi_Y)
+        + integral(N_xy, (s_X, s), (q, q_Y))  # (N_xy w_Y, phi_X)
+        + integral(N_xy, (s, s_X), (q_Y, q))  # (N_xy w_X, phi_Y)
+    )
+    F = F.reshape(*F.shape[:-2], K, K, lateral, lateral).swapaxes(-3, -2)
+    F = F.reshape(*F.shape[:-4], K * lateral, K * lateral)
+    return (F + F.swapaxes(-1, -2)) / 2
+
+
+def _products(test: FloatArray, trial: FloatArray, weights: FloatArray) -> FloatArray:
+    """Return test_i trial_k at each node times its weight, shape (nodes, test functions * trial functions)."""
+    return (weights[:, None, None] * test[:, :, None] * trial[:, None, :]).reshape(weights.size, -1)

@@ -1,0 +1,161 @@
+"""F of eq. (11) at hundreds of frequencies: eq. (8) solved in a small basis, every answer checked by its residual.
+
+A chart asks for F at each of its Omega. Between in-plane resonances the response to the edge load is an analytic
+function of frequency, so that a few responses, taken at Chebyshev nodes, span all others to rounding (a Galerkin
+reduced basis). The residual of eq. (8) in the energy norm tells the error of each answer; where it is too large (beside
+resonances, beyond the last node) the full system is solved instead. The basis depends on the plate alone, not on what
+was asked before, so that results do not depend on the order in which a chart is computed.
+"""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from periodic.checks import FloatArray
+from plate.inplane import ComplexArray, InPlaneBlock
+from plate.stress import StaticStress
+from plate.transverse import NumericArray
+
+# The basis spans frequencies up to this kappa = w / C. The lowest stretching resonance of a square plate is at 2.6.
+HIGHEST_KAPPA = 5.0
+
+# Frequencies at which responses are taken: enough for residuals near rounding except beside resonances.
+SNAPSHOTS = 20
+
+# Largest accepted residual of eq. (8) relative to the edge force, in the energy norm: the order of the error of F.
+RESIDUAL = 1e-10
+
+# Directions below this share of the largest one are rounding.
+RANK = 1e-13
+
+# An in-plane response this many times the static one (in the energy norm) is called resonant: what a single mode shows
+# within a tenth of its frequency.
+RESONANT_AMPLIFICATION = 5.0
+
+
+class InPlaneResonanceWarning(UserWarning):
+    """A harmonic of the excitation comes near an in-plane resonance of the plate."""
+
+
+@dataclass(frozen=True)
+class DynamicStress(StaticStress):
+    """The stress of eq. (8) in full, as a model of `plate.stress.StressModel`.
+
+    Parameters
+    ----------
+    load, problem, K, lateral
+        As `StaticStress`.
+    wave_speed : float
+        C = sqrt(beta).
+    speed : float
+        V.
+    damping : float
+        c.
+    """
+
+    wave_speed: float
+    speed: float
+    damping: float
+
+    def static_stiffness(self, speed: float) -> FloatArray:
+        """Return F_c0 at transport speed V."""
+        return self._stiffness(self.problem.response(self.forces[0], 0.0, speed / self.wave_speed, 0.0)).real
+
+    def field(self, harmonic: int, Omega: float, X: FloatArray, Y: FloatArray) -> ComplexArray:
+        """Return the stresses at frequency j Omega, from the full system."""
+        return self.problem.stresses(self.problem.response(self.forces[harmonic], *self._at(harmonic * Omega)), X, Y)
+
+    def stiffness(self, harmonic: int, Omega: float) -> ComplexArray:
+        """Return F_cj - i F_sj at frequency j Omega.
+
+        Warns
+        -----
+        InPlaneResonanceWarning
+            If j Omega is near an in-plane resonance that the load excites.
+        """
+        kappa, mach, loss = self._at(harmonic * Omega)
+        n = self.K * self.lateral
+        F = np.zeros((n, n), dtype=np.complex128)
+        for basis in self._bases:
+            block, static = basis.block, basis.static[harmonic]
+            z, residual = basis.solve(static, kappa, mach, loss)
+            if residual <= RESIDUAL * np.linalg.norm(static):
+                F += np.tensordot(z, basis.stiffness, axes=1)
+            else:
+                z = block.solve(static, kappa, mach, loss)
+                F += self._stiffness(block.shapes @ z)
+            if np.linalg.norm(z) * abs(1 + 1j * loss) > RESONANT_AMPLIFICATION * np.linalg.norm(static):
+                resonance = self.wave_speed * block.kappa[np.argmin(np.abs(block.kappa - kappa))]
+                warnings.warn(
+                    f"harmonic {harmonic} of the excitation comes near the in-plane natural frequency {resonance:.6g} "
+                    f"(Omega = {resonance / harmonic:.6g}); the in-plane stress is more than "
+                    f"{RESONANT_AMPLIFICATION:g} times the static one and has resonances of its own",
+                    InPlaneResonanceWarning,
+                    stacklevel=4,  # the caller of MovingPlate.at
+                )
+        return (1 + 1j * loss) * F
+
+    def _at(self, w: float) -> tuple[float, float, float]:
+        """Return w/C, V/C and w c."""
+        return w / self.wave_speed, self.speed / self.wave_speed, w * self.damping
+
+    @cached_property
+    def _bases(self) -> list[ReducedBasis]:
+        """A basis for each lateral symmetry that the load excites."""
+        kappas = HIGHEST_KAPPA * np.sin(np.pi * (np.arange(SNAPSHOTS) + 0.5) / (2 * SNAPSHOTS)) ** 2
+        bases = []
+        for block in self.problem.blocks:
+            static = np.array(self.forces) @ block.shapes
+            if not static[1:].any():
+                continue
+            loads = np.concatenate([static[1:].real, static[1:].imag]).T
+            responses = [block.solve(loads, *self._at(kappa * self.wave_speed)) for kappa in kappas]
+            Q = _real_span(np.hstack(responses))
+            stiffness = self._stiffness((block.shapes @ Q).T)
+            bases.append(ReducedBasis(block, static, Q, block.gyroscopic @ Q, block.transport @ Q, stiffness))
+        return bases
+
+
+@dataclass(frozen=True, eq=False)
+class ReducedBasis:
+    """A few directions that span the responses of one `InPlaneBlock`.
+
+    Parameters
+    ----------
+    block : InPlaneBlock
+        The full equations.
+    static : ndarray of complex, shape (J + 1, N)
+        Static responses to the edge loads f_cj - i f_sj, j = 0 to J.
+    directions : ndarray, shape (N, R)
+        Orthonormal columns, in the block's energy coordinates.
+    gyroscopic, transport : ndarray, shape (N, R)
+        The block's matrices times the directions.
+    stiffness : ndarray, shape (R, n, n)
+        F of the stresses of each direction.
+    """
+
+    block: InPlaneBlock
+    static: ComplexArray
+    directions: FloatArray
+    gyroscopic: FloatArray
+    transport: FloatArray
+    stiffness: FloatArray
+
+    def solve(self, static: ComplexArray, kappa: float, mach: float, loss: float) -> tuple[NumericArray, float]:
+        """Return the weights of the directions by Galerkin's method, and the norm of the residual of eq. (8)."""
+        image = (1 + 1j * loss - (kappa / self.block.kappa[:, None]) ** 2) * self.directions
+        image += 1j * kappa * mach * self.gyroscopic + mach**2 * self.transport
+        weights = np.linalg.solve(self.directions.T @ image, self.directions.T @ static)
+        return weights, float(np.linalg.norm(image @ weights - static))
+
+
+def _real_span(vectors: ComplexArray) -> FloatArray:
+    """Return an orthonormal basis of the real and imaginary parts of the columns, whatever their lengths."""
+    lengths = np.linalg.norm(vectors, axis=0)
+    unit = vectors[:, lengths > 0] / lengths[lengths > 0]
+    U, singular, _ = np.linalg.svd(np.hstack([unit.real, unit.imag]), full_matrices=False)
+    return U[:, singular > RANK * singular[0]]
