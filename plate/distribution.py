@@ -78,8 +78,16 @@ class Distribution:
         return cls(tuple(places), tuple(zip(middles, rises, strict=True)))
 
     def __call__(self, y: ArrayLike) -> FloatArray:
-        """Return the values at y/b (any shape, from 0 to 1); at a break, those of the piece to its right."""
-        y = np.asarray(y, dtype=np.float64)
+        """Return the values at y/b (a number or array, from 0 to 1); at a break, those of the piece to its right.
+
+        Raises
+        ------
+        ValueError
+            If y is not numeric or lies outside.
+        """
+        y = real_array("y", y, np.ndim(y))
+        if not ((y >= 0) & (y <= 1)).all():
+            raise ValueError(f"y reaches from {y.min():.6g} to {y.max():.6g}; keep within 0 to 1 (y/b)")
         breaks = np.array(self.breaks)
         piece = np.clip(np.searchsorted(breaks, y, side="right") - 1, 0, len(self.coefficients) - 1)
         values = np.empty_like(y)

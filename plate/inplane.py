@@ -18,6 +18,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,6 +65,21 @@ class StressField:
     N_xx: ComplexArray
     N_yy: ComplexArray
     N_xy: ComplexArray
+
+
+class InPlaneFrequencies(NamedTuple):
+    """Natural frequencies of in-plane vibration, ascending, by symmetry about the mid-line y = b/2.
+
+    Parameters
+    ----------
+    symmetric : ndarray
+        u even and v odd in y - b/2.
+    antisymmetric : ndarray
+        u odd and v even.
+    """
+
+    symmetric: FloatArray
+    antisymmetric: FloatArray
 
 
 @dataclass(frozen=True, eq=False)

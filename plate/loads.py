@@ -25,6 +25,9 @@ MOST_HARMONICS = 1000
 # Two places on the edge that differ by less are the same: rounding of centre - width / 2, never a real gap.
 EDGE_ROUNDING = 1e-12
 
+# A mean this near to 1 is 1: scaling it again would only change the last digit.
+ROUNDING = 1e-14
+
 # A mean below this share of the largest value is zero but for rounding and cannot be scaled to 1.
 ZERO_MEAN = 1e-10
 
@@ -76,7 +79,7 @@ class EdgeLoad:
                 f"the static load has mean {mean:.6g}; give a positive mean (the sign belongs to tension; "
                 "a distribution of zero mean can be a harmonic: Distribution.from_samples and with_waveform)"
             )
-        if mean != 1:
+        if not math.isclose(mean, 1, rel_tol=ROUNDING):
             object.__setattr__(self, "static", self.static * (1 / mean))
         if not self.f_c and not self.f_s:
             object.__setattr__(self, "f_c", (self.static,))

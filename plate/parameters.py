@@ -5,24 +5,30 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg import eigh
+from scipy.linalg import LinAlgError, eigh
 
 from periodic import PeriodicSystem
 from periodic.checks import FloatArray, grid, one_of, real_number, whole_number
 from plate import transverse
 from plate.dynamic import DynamicStress
-from plate.inplane import InPlaneProblem, StressField
+from plate.inplane import InPlaneFrequencies, InPlaneProblem, StressField
 from plate.loads import EdgeLoad
+from plate.si import SIProperties
 from plate.stress import MembraneStress, StaticStress, StressModel
 
 INPLANE_MODELS = ("membrane", "static", "dynamic")
 
-# More trial functions in one direction than any study needs; the limit keeps a slip from filling the memory.
-MOST_TERMS = 200
+# Beyond these a plate is a beam or a string, and the smallest stiffness drowns in the rounding of the largest.
+ASPECT_RATIOS = (1e-3, 1e3)
+
+# More trial functions than any study needs; the limits keep a slip from filling the memory.
+MOST_TERMS = 100
+MOST_COORDINATES = 1000
+MOST_INPLANE_TERMS = 50
 
 # The divergence speed with in-plane inertia converges by a factor of about f0 (h/b)^2 / 12 an iteration.
 MOST_ITERATIONS = 50
@@ -37,40 +43,6 @@ GRID = 41
 PLACE_ROUNDING = 1e-12
 
 
-class InPlaneFrequencies(NamedTuple):
-    """Natural frequencies of in-plane vibration, ascending, by symmetry about the mid-line y = b/2.
-
-    Parameters
-    ----------
-    symmetric : ndarray
-        u even and v odd in y - b/2.
-    antisymmetric : ndarray
-        u odd and v even.
-    """
-
-    symmetric: FloatArray
-    antisymmetric: FloatArray
-
-
-@dataclass(frozen=True)
-class Units:
-    """What one dimensionless unit of a plate is in SI, eq. (12) with its misprinted frequency scale corrected.
-
-    Parameters
-    ----------
-    length : float
-        b in m.
-    time : float
-        sqrt(rho h b^4 / D) in s.
-    tension : float
-        D / b^2 in N/m.
-    """
-
-    length: float
-    time: float
-    tension: float
-
-
 @dataclass(frozen=True)
 class MovingPlate:
     """An axially moving viscoelastic plate under periodic edge tension, sections I and II of the paper.
@@ -81,7 +53,7 @@ class MovingPlate:
     Parameters
     ----------
     aspect_ratio : float
-        r = a/b > 0.
+        r = a/b, between 0.001 and 1000.
     speed : float
         V sqrt(rho h b^2 / D), below the divergence speed; a negative speed moves towards -x.
     tension : float
@@ -92,7 +64,7 @@ class MovingPlate:
     poisson_ratio : float
         nu, above -1 and at most 0.5.
     thickness_ratio : float
-        h/b > 0. It matters only for ``inplane="dynamic"``, through the in-plane stiffness 12 (b/h)^2.
+        h/b, between 0 and 1. It matters only for ``inplane="dynamic"``, through the in-plane stiffness 12 (b/h)^2.
     load : EdgeLoad
         Shape of the tension over the edges and in time; uniform and pulsating as cos(Omega t) by default.
     inplane : {"membrane", "static", "dynamic"}
@@ -104,6 +76,8 @@ class MovingPlate:
         L + 1, polynomials in y of degree 0 to L. The system has n = axial_terms * lateral_terms coordinates.
     inplane_terms : tuple of two int
         M + 1 and N + 1, functions of x and of y in each of u and v, for "static" and "dynamic".
+    si : SIProperties, optional
+        Set by `from_si`; needed only to return to SI units.
 
     Raises
     ------
@@ -122,7 +96,7 @@ class MovingPlate:
     axial_terms: int = 4
     lateral_terms: int = 7
     inplane_terms: tuple[int, int] = (9, 9)
-    units: Units | None = field(default=None, kw_only=True, repr=False)
+    si: SIProperties | None = field(default=None, kw_only=True, repr=False)
 
     def __post_init__(self) -> None:
         checked = {
@@ -130,7 +104,7 @@ class MovingPlate:
             "speed": real_number("speed", self.speed),
             "tension": real_number("tension", self.tension),
             "damping": real_number("damping", self.damping, nonnegative=True),
-            "poisson_ratio": real_number("poisson_ratio", self.poisson_ratio),
+            "poisson_ratio": _poisson_ratio(self.poisson_ratio),
             "thickness_ratio": real_number("thickness_ratio", self.thickness_ratio, positive=True),
             "inplane": one_of("inplane", self.inplane, INPLANE_MODELS),
             "axial_terms": whole_number("axial_terms", self.axial_terms, least=1, most=MOST_TERMS),
@@ -139,12 +113,20 @@ class MovingPlate:
         }
         for name, value in checked.items():
             object.__setattr__(self, name, value)
-        if not -1 < self.poisson_ratio <= 0.5:
-            raise ValueError(f"poisson_ratio = {self.poisson_ratio!r} is out of range; give -1 < nu <= 0.5")
+        for name, low, high in (("aspect_ratio", *ASPECT_RATIOS), ("thickness_ratio", 0.0, 1.0)):
+            if not low < getattr(self, name) < high:
+                raise ValueError(
+                    f"{name} = {getattr(self, name)!r} is no plate's; give one between {low:g} and {high:g}"
+                )
+        if self.axial_terms * self.lateral_terms > MOST_COORDINATES:
+            raise ValueError(
+                f"axial_terms * lateral_terms = {self.axial_terms * self.lateral_terms} coordinates; "
+                f"give at most {MOST_COORDINATES}"
+            )
         if not isinstance(self.load, EdgeLoad):
             raise ValueError(f"load = {self.load!r} is no EdgeLoad; give one, such as EdgeLoad.uniform()")
-        if self.units is not None and not isinstance(self.units, Units):
-            raise ValueError(f"units = {self.units!r} is no Units; leave it out, or use MovingPlate.from_si")
+        if self.si is not None and not isinstance(self.si, SIProperties):
+            raise ValueError(f"si = {self.si!r} is no SIProperties; leave it out, or use MovingPlate.from_si")
         if abs(self.speed) >= self.critical_speed():
             raise ValueError(
                 f"speed = {self.speed!r} is not below the divergence speed {self.critical_speed():.10g}, from which on "
@@ -192,51 +174,45 @@ class MovingPlate:
         ValueError
             If a property is out of range, or as `MovingPlate`.
         """
-        a = real_number("length", length, positive=True)
-        b = real_number("width", width, positive=True)
-        h = real_number("thickness", thickness, positive=True)
-        rho = real_number("density", density, positive=True)
-        E = real_number("youngs_modulus", youngs_modulus, positive=True)
-        nu = real_number("poisson_ratio", poisson_ratio)
-        if not -1 < nu <= 0.5:
-            raise ValueError(f"poisson_ratio = {nu!r} is out of range; give -1 < nu <= 0.5")
-        D = E * h**3 / (12 * (1 - nu**2))
-        units = Units(length=b, time=math.sqrt(rho * h * b**4 / D), tension=D / b**2)
+        si = SIProperties(width, density, youngs_modulus)
+        thickness_ratio = real_number("thickness", thickness, positive=True) / si.width
+        nu = _poisson_ratio(poisson_ratio)
+        time, force_per_width = si.units(thickness_ratio, nu)
         return cls(
-            aspect_ratio=a / b,
-            speed=real_number("speed", speed) * units.time / b,
-            tension=real_number("tension", tension) / units.tension,
-            damping=real_number("damping", damping, nonnegative=True) / units.time,
+            aspect_ratio=real_number("length", length, positive=True) / si.width,
+            speed=real_number("speed", speed) * time / si.width,
+            tension=real_number("tension", tension) / force_per_width,
+            damping=real_number("damping", damping, nonnegative=True) / time,
             poisson_ratio=nu,
-            thickness_ratio=h / b,
-            units=units,
+            thickness_ratio=thickness_ratio,
+            si=si,
             **discretisation,
         )
 
     @property
     def length_unit(self) -> float:
-        """b in m."""
-        return self._units.length
+        """Length in m of one unit: b."""
+        return self._si.width
 
     @property
     def time_unit(self) -> float:
-        """Seconds in one dimensionless unit of time; also the unit of ``damping``."""
-        return self._units.time
+        """Time in s of one unit, sqrt(rho h b^4 / D); also the unit of ``damping``."""
+        return self._si.units(self.thickness_ratio, self.poisson_ratio)[0]
 
     @property
     def frequency_unit(self) -> float:
-        """Angular frequency in rad/s of Omega = 1; also the unit of growth rates in 1/s."""
-        return 1 / self._units.time
+        """Angular frequency in rad/s of one unit; also the unit of growth rates in 1/s."""
+        return 1 / self.time_unit
 
     @property
     def speed_unit(self) -> float:
-        """Speed in m/s of V = 1."""
-        return self._units.length / self._units.time
+        """Speed in m/s of one unit."""
+        return self.length_unit / self.time_unit
 
     @property
     def tension_unit(self) -> float:
-        """Force per width in N/m of f0 = 1; also the unit of the stress resultants."""
-        return self._units.tension
+        """Force per width in N/m of one unit, D / b^2; also the unit of stress resultants."""
+        return self._si.units(self.thickness_ratio, self.poisson_ratio)[1]
 
     @cached_property
     def elastic_stiffness(self) -> FloatArray:
@@ -271,8 +247,7 @@ class MovingPlate:
         Those of the discretised problem (8), whatever ``inplane`` says; the lowest half or so are accurate. The rigid
         translation along x, of frequency 0, is left out.
         """
-        symmetric, antisymmetric = (self._wave_speed * block.kappa for block in self._inplane_problem.blocks)
-        return InPlaneFrequencies(_read_only(symmetric), _read_only(antisymmetric))
+        return InPlaneFrequencies(*(_read_only(self._wave_speed * b.kappa) for b in self._inplane_problem.blocks))
 
     def at(self, Omega: float) -> PeriodicSystem:
         """Return the system (11) at excitation frequency ``Omega`` (`periodic.SystemFamily`).
@@ -365,12 +340,16 @@ class MovingPlate:
         square = 0.0
         for _ in range(MOST_ITERATIONS):
             F_c0 = self._stress.static_stiffness(math.sqrt(square))
-            lowest = eigh(self.elastic_stiffness + self.tension * F_c0, -self.transport_stiffness, eigvals_only=True)[0]
-            if lowest <= 0:
-                raise ValueError(self._buckled(F_c0))
-            if abs(lowest - square) <= SPEED_TOLERANCE * lowest:
-                return math.sqrt(lowest)
-            square = float(lowest)
+            try:
+                # 1/V^2 as the largest eigenvalue keeps its accuracy beside the stiff lateral bending of a long plate.
+                inverse = eigh(
+                    -self.transport_stiffness, self.elastic_stiffness + self.tension * F_c0, eigvals_only=True
+                )
+            except LinAlgError:
+                raise ValueError(self._buckled(F_c0)) from None
+            previous, square = square, float(1 / inverse[-1])
+            if abs(square - previous) <= SPEED_TOLERANCE * square:
+                return math.sqrt(square)
         raise ValueError(
             f"thickness_ratio = {self.thickness_ratio!r} is too large for tension = {self.tension!r}: transport at the "
             "divergence speed changes the in-plane stress itself; give a thinner plate or less tension"
@@ -411,10 +390,17 @@ class MovingPlate:
         return self.axial_terms, self.lateral_terms
 
     @property
-    def _units(self) -> Units:
-        if self.units is None:
+    def _si(self) -> SIProperties:
+        if self.si is None:
             raise ValueError("this plate has no SI units; build it with MovingPlate.from_si")
-        return self.units
+        return self.si
+
+
+def _poisson_ratio(value: Any) -> float:
+    nu = real_number("poisson_ratio", value)
+    if not -1 < nu <= 0.5:
+        raise ValueError(f"poisson_ratio = {nu!r} is out of range; give -1 < nu <= 0.5")
+    return nu
 
 
 def _inplane_terms(value: Any) -> tuple[int, int]:
@@ -423,8 +409,8 @@ def _inplane_terms(value: Any) -> tuple[int, int]:
     except (TypeError, ValueError):
         raise ValueError(f"inplane_terms = {value!r} is not a pair; give (axial, lateral), such as (9, 9)") from None
     return (
-        whole_number("inplane_terms[0]", axial, least=2, most=MOST_TERMS),
-        whole_number("inplane_terms[1]", lateral, least=1, most=MOST_TERMS),
+        whole_number("inplane_terms[0]", axial, least=2, most=MOST_INPLANE_TERMS),
+        whole_number("inplane_terms[1]", lateral, least=1, most=MOST_INPLANE_TERMS),
     )
 
 
