@@ -1,6 +1,7 @@
 """Stability from Floquet multipliers: one point, charts, and boundaries by root-finding."""
 
+from floquet.boundary import BoundaryTrace, trace_boundary
 from floquet.monodromy import Monodromy, monodromy
 from floquet.multipliers import Kind
 
-__all__ = ["Kind", "Monodromy", "monodromy"]
+__all__ = ["BoundaryTrace", "Kind", "Monodromy", "monodromy", "trace_boundary"]

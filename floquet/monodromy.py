@@ -156,11 +156,11 @@ def period_map(block: Reduction, Omega: float, eps: float, tolerance: float) -> 
     probes, share = _probes(m)
     # norms of the two halves of from_q: how much of a disturbance of q each half of y receives
     receives = np.linalg.norm(block.from_q.reshape(2, m, 2 * m), 2, axis=(1, 2))
-    steps = int(np.ceil(2 * np.pi / Omega * block.rate / STEP))
+    steps = steps_of_period(block, Omega)
     best = PeriodMap(start, np.inf, np.inf)
     for _ in range(HALVINGS + 1):
-        matrix = _propagate(block, Omega, eps, steps, tolerance, start)
-        defect = matrix @ probes - _propagate(block, Omega, eps, 2 * steps, tolerance, probes)
+        matrix = propagate(block, Omega, eps, steps, tolerance, start)
+        defect = matrix @ probes - propagate(block, Omega, eps, 2 * steps, tolerance, probes)
         halves = np.stack(np.split(defect, 2, axis=1)) / np.sqrt(share)
         # what both integrations have in common: rounding of the coefficients, and what the reduction dropped
         common = np.finfo(float).eps * np.sqrt(steps) + 2 * np.pi / Omega * block.neglected
@@ -177,6 +177,11 @@ def period_map(block: Reduction, Omega: float, eps: float, tolerance: float) -> 
     return best
 
 
+def steps_of_period(block: Reduction, Omega: float) -> int:
+    """Return the number of equal steps of one period, before any halving."""
+    return int(np.ceil(2 * np.pi / Omega * block.rate / STEP))
+
+
 def _probes(m: int) -> tuple[FloatArray, int]:
     """Return initial values (2m, columns), half of them in y1 and half in y2, and how many columns stand for each half.
 
@@ -190,7 +195,7 @@ def _probes(m: int) -> tuple[FloatArray, int]:
     return np.asarray(sla.block_diag(*values)), share
 
 
-def _propagate(
+def propagate(
     block: Reduction, Omega: float, eps: float, steps: int, tolerance: float, start: FloatArray
 ) -> FloatArray:
     """Return the values after one period of the solutions that begin with the columns of ``start`` (2m, columns)."""

@@ -68,6 +68,27 @@ def reduce_system(system: PeriodicSystem, Omega: float, eps: float) -> list[Redu
     return [block._replace(neglected=block.neglected + neglected) for block in reduced]
 
 
+def constant_matrix(equations: Block) -> FloatArray:
+    """Return the matrix A (2m, 2m) of y' = A y without excitation."""
+    B, D = _parts(equations)
+    stiffness = np.diag(equations.k) + np.tensordot(equations.alpha[:, 0], B, 1)
+    return np.block([[np.zeros_like(D), np.diag(equations.w)], [-stiffness, -D]])
+
+
+def modulation(equations: Block) -> float:
+    """Return a bound on the relative change of stiffness by the excitation (spectral norm in energy coordinates)."""
+    B, _ = _parts(equations)
+    sizes = np.linalg.norm(B / equations.w[:, None], 2, axis=(1, 2))
+    return float(sizes @ np.hypot(equations.alpha, equations.beta)[:, 1:].sum(axis=1))
+
+
+def _parts(equations: Block) -> tuple[FloatArray, FloatArray]:
+    """Return B (R, m, m) and D (m, m)."""
+    m, functions = len(equations.w), len(equations.alpha)
+    parts = equations.S.reshape(m, -1, m).transpose(1, 0, 2)
+    return parts[:functions], parts[functions:].sum(axis=0)
+
+
 def _components(matrices: FloatArray) -> NDArray[np.intp]:
     """Number the sets of coordinates that none of ``matrices`` (p, n, n) couples; return the set of each coordinate."""
     sizes = np.abs(matrices)
@@ -153,11 +174,10 @@ def _forcing(constant: FloatArray, excitation: FloatArray) -> tuple[FloatArray, 
 
 def _rate(equations: Block, Omega: float) -> float:
     """Return the norm of the coefficient matrix, in the better of two scalings, plus the highest frequency of f_r."""
-    m, functions = len(equations.w), len(equations.alpha)
-    parts = equations.S.reshape(m, -1, m).transpose(1, 0, 2)
-    norms = np.linalg.norm(parts, 2, axis=(1, 2))
-    forcing = float(norms[:functions] @ np.hypot(equations.alpha, equations.beta).sum(axis=1))
-    damping = float(norms[functions:].sum())
+    B, D = _parts(equations)
+    sizes = np.linalg.norm(B, 2, axis=(1, 2))
+    forcing = float(sizes @ np.hypot(equations.alpha, equations.beta).sum(axis=1))
+    damping = float(np.linalg.norm(D, 2))
     w, k = equations.w.max(), np.abs(equations.k).max()
     as_it_is = max(w, k + forcing)
     rescaled = np.sqrt(w * (k + forcing))

@@ -1,0 +1,334 @@
+"""The boundaries of one region of instability, by root-finding on the pair of multipliers that resonates."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import scipy.linalg as sla
+from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import brentq
+
+from floquet.monodromy import member_at, period_map, propagate, steps_of_period
+from floquet.multipliers import Kind
+from floquet.reduction import modulation, reduce_system
+from floquet.resonance import Resonance, nearest_resonance
+from periodic import SystemFamily
+from periodic.checks import FloatArray, real_array, real_number
+
+ComplexArray = NDArray[np.complex128]
+
+# Edges are found to this part of Omega; regions narrower than ten times that count as closed.
+RESOLUTION = 1e-10
+# Tolerance of the integration. The series cost little more than at 1e-11, and an edge is only as good as the
+# multipliers.
+TOLERANCE = 1e-13
+# Mean decay of the pair in one period that is rounding.
+LEAST_DAMPING = 1e-11
+# Part of an eigenvector in the span of the two resonating solutions below which it is no longer one of them.
+LEAST_PART = 0.5
+# Relative change of stiffness (norm of eps F in energy coordinates) between two stations of the continuation in eps.
+STATION = 0.25
+# Most points on the way to the middle of a region, and to bracket an edge. A parabola needs about 6 and 3.
+MOST_TRIALS = 40
+# An edge is looked for between these multiples of the frequency of resonance.
+LOWEST, HIGHEST = 0.2, 5.0
+
+
+@dataclass(frozen=True, eq=False)
+class BoundaryTrace:
+    """The two edges of one region of instability at k values of eps.
+
+    Attributes
+    ----------
+    near : float
+        The frequency the region was asked for by.
+    resonance : Resonance
+        The resonance that the region starts from at eps = 0.
+    eps : ndarray, shape (k,)
+        Excitation amplitudes, in the order given.
+    lower, upper : ndarray, shape (k,)
+        Edges in Omega; NaN where the region is closed or cannot be followed, or on the side on which it has no edge.
+    lower_error, upper_error : ndarray, shape (k,)
+        Estimated errors of the edges; NaN where they are.
+    kind : ndarray of int8, shape (k,)
+        `Kind` of the instability; STABLE where the region is closed, UNDECIDED where the pair of multipliers has mixed
+        with others so much that it cannot be told from them (regions that have merged).
+    """
+
+    near: float
+    resonance: Resonance
+    eps: FloatArray
+    lower: FloatArray
+    upper: FloatArray
+    lower_error: FloatArray
+    upper_error: FloatArray
+    kind: NDArray[np.int8]
+
+    @property
+    def is_open(self) -> NDArray[np.bool_]:
+        """Where the region exists, shape (k,)."""
+        return self.kind > Kind.STABLE
+
+
+class LostError(Exception):
+    """The pair of multipliers can no longer be told from the others."""
+
+
+class Point(NamedTuple):
+    """The resonating pair at one Omega: test function, its error (NaN if not asked for), and solutions in (W', W)."""
+
+    Omega: float
+    value: float
+    error: float
+    multipliers: ComplexArray
+    vectors: ComplexArray
+
+
+def trace_boundary(family: SystemFamily, near: float, eps: ArrayLike) -> BoundaryTrace:
+    """Find the edges of the region of instability that starts at a resonance.
+
+    Parameters
+    ----------
+    family : PeriodicSystem or SystemFamily
+        The system. Only the excitation may depend on Omega.
+    near : float
+        Frequency of resonance, (omega_p ± omega_q) / j at eps = 0, or a guess within 5 %. Of several resonances the
+        nearest is taken, with preference for low j and for sums.
+    eps : array_like, shape (k,), or float
+        Excitation amplitudes >= 0, in any order. What is found at one does not depend on the others.
+
+    Returns
+    -------
+    BoundaryTrace
+
+    Raises
+    ------
+    ValueError
+        If an argument is of the wrong type or shape, not finite, out of range or empty, or if ``near`` is near no
+        resonance.
+
+    Notes
+    -----
+    The pair of multipliers mu_1, mu_2 is told from the others by its eigenvectors, which grow continuously out of the
+    two modes at eps = 0. With a = log mu_1, b = log mu_2,
+
+        Delta = ((a - b) / 2)^2,   p = - Re(a + b),
+
+    are symmetric functions of the pair and therefore analytic in Omega where the two coalesce, unlike the multipliers
+    themselves. By the criterion of Routh and Hurwitz for z^2 + p z + p^2/4 - Delta with complex Delta the pair is
+    unstable if and only if
+
+        f = Re Delta + (Im Delta / p)^2 - p^2 / 4 > 0;
+
+    for conservative and reversible systems p = Im Delta = 0 and f = Re Delta is the square of the growth inside and
+    minus the square of half the angle between the multipliers outside. Near a resonance f is nearly a parabola in
+    Omega: its top is found by interpolation, however narrow the region, and its zeros by Brent's method.
+    """
+    near = real_number("near", near, positive=True)
+    amplitudes = real_array("eps", np.atleast_1d(np.asarray(eps)), 1)
+    if amplitudes.size == 0:
+        raise ValueError("eps is empty; give at least one amplitude")
+    if amplitudes.min() < 0:
+        raise ValueError(f"eps has the entry {amplitudes.min()!r}; give amplitudes >= 0")
+    resonance = nearest_resonance(member_at(family, near, "family"), near)
+    route = _Route(family, resonance)
+    found = [route.edges(float(amplitude)) for amplitude in amplitudes]
+    kind = np.array([k for k, _ in found], dtype=np.int8)
+    edges = np.array([e for _, e in found])
+    for array in (amplitudes, kind, edges):
+        array.setflags(write=False)
+    lower, upper, lower_error, upper_error = edges.T
+    return BoundaryTrace(near, resonance, amplitudes, lower, upper, lower_error, upper_error, kind)
+
+
+class _Station(NamedTuple):
+    """Where the continuation has been: the middle of the region at eps, and the pair there."""
+
+    eps: float
+    Omega: float
+    vectors: ComplexArray
+
+
+class _Route:
+    """One region followed from eps = 0 upwards."""
+
+    def __init__(self, family: SystemFamily, resonance: Resonance) -> None:
+        self.family = family
+        self.resonance = resonance
+        n = len(resonance.vectors) // 2
+        support = [np.abs(vector[n:]).argmax() for vector in resonance.vectors.T]
+        blocks = reduce_system(family.at(resonance.centre), resonance.centre, 1.0)
+        first, second = (next(b for b in blocks if row in b.coordinates) for row in support)
+        self.coupled = first is second
+        self.row = support[0]
+        self.spacing = STATION / max(modulation(first.equations), np.finfo(float).tiny)
+        self.stations = [_Station(0.0, resonance.centre, resonance.vectors)]
+
+    def edges(self, eps: float) -> tuple[Kind, tuple[float, float, float, float]]:
+        """Return the kind of the region at ``eps``, its edges and their errors."""
+        closed = (np.nan, np.nan, np.nan, np.nan)
+        if not self.coupled or eps == 0:
+            return Kind.STABLE, closed
+        try:
+            self._advance(eps)
+            station = max((s for s in self.stations if s.eps < eps), key=lambda s: s.eps)
+            top = self._top(eps, station, exact=False)
+            if top.value <= 0:
+                return Kind.STABLE, closed
+            lower, upper = (self._edge(eps, station, top, side) for side in (-1, 1))
+            if upper - lower < 10 * RESOLUTION * top.Omega:
+                return Kind.STABLE, closed
+            depth = 0.05 * (np.nanmin([upper, 2 * top.Omega]) - np.nanmax([lower, top.Omega / 2]))
+            lower_error = self._error(eps, station, lower, depth)
+            upper_error = self._error(eps, station, upper, -depth)
+            return _kind(self._lock()), (lower, upper, lower_error, upper_error)
+        except LostError:
+            return Kind.UNDECIDED, closed
+
+    def _advance(self, eps: float) -> None:
+        """Add the stations below ``eps``. They lie on a fixed ladder: no result depends on what else was asked for."""
+        while self.stations[-1].eps + self.spacing < eps:
+            last = self.stations[-1]
+            following = last.eps + self.spacing
+            top = self._top(following, last, exact=True)
+            self.stations.append(_Station(following, top.Omega, top.vectors))
+
+    def _point(self, Omega: float, eps: float, station: _Station, checked: bool = False) -> Point:
+        blocks = reduce_system(self.family.at(Omega), Omega, eps)
+        block = next(b for b in blocks if self.row in b.coordinates)
+        m = len(block.coordinates)
+        error = np.nan
+        if checked:
+            found = period_map(block, Omega, eps, TOLERANCE)
+            Phi, error = found.matrix, found.error
+        else:
+            Phi = propagate(block, Omega, eps, steps_of_period(block, Omega), TOLERANCE, np.eye(2 * m))
+        mu, left, right = sla.eig(Phi, left=True, right=True)  # type: ignore[misc]  # the stubs know two results only
+        rows = np.concatenate([block.coordinates, self.family.at(Omega).size + block.coordinates])
+        span, _ = np.linalg.qr(block.from_q @ station.vectors[rows])
+        part = np.linalg.norm(span.conj().T @ right, axis=0)
+        pair = np.argsort(part)[-2:]
+        if part[pair[0]] < LEAST_PART:
+            raise LostError
+        condition = 1 / np.abs(np.einsum("ij,ij->j", left[:, pair].conj(), right[:, pair]))
+        relative = float(np.sum(condition / np.abs(mu[pair])) * error)
+        value, error = _test(mu[pair], self._lock(), block.reciprocal, relative)
+        vectors = np.zeros_like(station.vectors)
+        vectors[rows] = block.to_q @ right[:, pair]
+        return Point(Omega, value, error, mu[pair], vectors)
+
+    def _lock(self) -> float | None:
+        """Return the point of the unit circle at which the pair meets: fixed if both belong to one mode."""
+        r = self.resonance
+        return (-1.0) ** r.j if r.p == r.q else None
+
+    def _top(self, eps: float, station: _Station, exact: bool) -> Point:
+        """Return a point inside the region or, if it is closed, that of the largest test function.
+
+        Parabolas through the three best points. With ``exact``, or where the region has not been hit, to a tenth of its
+        half width.
+        """
+        start = self._predict(eps)
+        relative = min(eps * STATION / self.spacing, 1.0)
+        step = start * min(max(0.1 * relative**2, 1e-5), 0.02)
+        points = [self._point(start, eps, station)]
+        if points[0].value > 0 and not exact:
+            return points[0]
+        points += [self._point(start + sign * step, eps, station) for sign in (-1, 1)]
+        previous = np.inf
+        for _ in range(MOST_TRIALS):
+            points.sort(key=lambda point: -point.value)
+            best = points[0]
+            if best.value > 0 and not exact:
+                return best
+            x, height, curvature = _parabola(points[:3])
+            reach = 4 * max(abs(point.Omega - best.Omega) for point in points[1:3])
+            if curvature >= 0:
+                x = best.Omega + np.sign(best.Omega - points[2].Omega) * reach / 2
+            x = min(max(x, best.Omega - reach), best.Omega + reach)
+            half_width = np.sqrt(max(best.value, 0.0)) / self._scale(best.Omega)
+            if abs(x - best.Omega) <= max(0.1 * half_width, RESOLUTION * best.Omega):
+                break
+            if curvature < 0 and height < 0 and abs(height - previous) < 0.01 * abs(height):
+                break  # certainly closed
+            previous = height
+            points.append(self._point(x, eps, station))
+        return points[0]
+
+    def _predict(self, eps: float) -> float:
+        """Extrapolate the middle of the region: it moves with eps^2."""
+        stations = [s for s in self.stations if s.eps < eps][-2:]
+        if len(stations) < 2:
+            return stations[-1].Omega
+        one, two = stations
+        slope = (two.Omega - one.Omega) / (two.eps**2 - one.eps**2)
+        return two.Omega + slope * (eps**2 - two.eps**2)
+
+    def _scale(self, Omega: float) -> float:
+        """Return d sqrt(-f) / d Omega far from the region: half of how fast the two multipliers turn apart."""
+        return np.pi * self.resonance.j / Omega
+
+    def _edge(self, eps: float, station: _Station, inside: Point, side: int) -> float:
+        """Return the edge below (``side`` -1) or above (+1) a point inside; NaN if there is none."""
+        a = inside
+        step = max(1.2 * np.sqrt(a.value) / self._scale(a.Omega), 10 * RESOLUTION * a.Omega)
+        for _ in range(MOST_TRIALS):
+            step = min(step, a.Omega / (8 * self.resonance.j))
+            b = self._point(a.Omega + side * step, eps, station)
+            if b.value <= 0:
+                break
+            a, step = b, 1.6 * step
+            if not LOWEST < a.Omega / self.resonance.centre < HIGHEST:
+                return np.nan
+        else:
+            return np.nan
+
+        def value(Omega: float) -> float:
+            return self._point(Omega, eps, station).value
+
+        return float(brentq(value, a.Omega, b.Omega, xtol=RESOLUTION * a.Omega))
+
+    def _error(self, eps: float, station: _Station, edge: float, shift: float) -> float:
+        """Return the error of an edge: that of the test function over its slope.
+
+        Both are taken a little inside the region. At the edge itself the two multipliers coalesce, and their condition
+        numbers are infinite although the test function is as good there as anywhere.
+        """
+        if np.isnan(edge):
+            return np.nan
+        inside = self._point(edge + shift, eps, station, checked=True)
+        return inside.error / abs(inside.value / shift) + RESOLUTION * edge
+
+
+def _kind(lock: float | None) -> Kind:
+    if lock is None:
+        return Kind.COMPLEX
+    return Kind.PLUS_ONE if lock > 0 else Kind.MINUS_ONE
+
+
+def _test(mu: ComplexArray, lock: float | None, reciprocal: bool, relative_error: float) -> tuple[float, float]:
+    """Return f of a pair of multipliers, positive if they are unstable, and its error (`trace_boundary`, Notes)."""
+    difference = np.log(mu[0] / mu[1]) if lock is None else np.log(mu[0] / lock) - np.log(mu[1] / lock)
+    Delta = complex((difference / 2) ** 2)
+    error = abs(difference) / 2 * relative_error
+    p = -float(np.log(np.abs(mu)).sum())
+    if reciprocal or abs(p) < LEAST_DAMPING:
+        return Delta.real, error
+    if p < 0:  # growing already in the mean of the two
+        return np.sqrt(Delta).real ** 2 + p**2 / 4, error - p / 2 * relative_error
+    skew = Delta.imag / p
+    error *= 1 + 2 * abs(skew) / p
+    return Delta.real + skew**2 - p**2 / 4, error + (p / 2 + 2 * skew**2 / p) * relative_error
+
+
+def _parabola(points: list[Point]) -> tuple[float, float, float]:
+    """Return place, value and curvature of the extremum of the parabola through three points."""
+    (x0, y0), (x1, y1), (x2, y2) = ((point.Omega, point.value) for point in points)
+    first, second = (y1 - y0) / (x1 - x0), (y2 - y0) / (x2 - x0)
+    curvature = (second - first) / (x2 - x1)
+    slope = first - curvature * (x1 - x0)  # at x0
+    if curvature == 0:
+        return x0, y0, 0.0
+    return x0 - slope / (2 * curvature), y0 - slope**2 / (4 * curvature), curvature

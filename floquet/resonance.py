@@ -1,0 +1,102 @@
+"""Which resonance a frequency means: natural frequencies of the first-order matrix, their sums and differences."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations, combinations_with_replacement
+
+import numpy as np
+import scipy.linalg as sla
+from numpy.typing import NDArray
+
+from floquet.reduction import constant_matrix, reduce_system
+from periodic import PeriodicSystem
+
+# A resonance further from `near`, relative to it, is not what was meant.
+FARTHEST = 0.05
+# j Omega = omega_p ± omega_q is looked for up to this j; higher tongues are narrower than eps^8.
+HIGHEST_ORDER = 8
+# Of two resonances near by, the one of higher j is taken if it is this many times nearer for each step in j (the
+# tongues get narrower by a power of eps), a difference if it is this many times nearer than a sum (most are no
+# regions at all).
+PREFERENCE = 100.0
+# Relative distance below which `near` agrees with a resonance.
+AGREEMENT = 1e-9
+# Motion slower than this part of the fastest is no oscillation.
+SLOWEST = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Resonance:
+    """j Omega = omega_p + omega_q ("sum") or omega_q - omega_p ("difference") of a system at eps = 0.
+
+    Attributes
+    ----------
+    p, q : int
+        Numbers of the modes by increasing frequency, from 1; p <= q.
+    j : int
+        Order.
+    kind : str
+        "sum" or "difference".
+    centre : float
+        The frequency Omega of resonance.
+    vectors : ndarray of complex, shape (2n, 2)
+        The two solutions that resonate, at t = 0 in q = (W', W): those of e^{i omega_q t} and of e^{∓ i omega_p t}.
+    """
+
+    p: int
+    q: int
+    j: int
+    kind: str
+    centre: float
+    vectors: NDArray[np.complex128]
+
+
+def nearest_resonance(system: PeriodicSystem, near: float) -> Resonance:
+    """Return the resonance that ``near`` means.
+
+    Raises
+    ------
+    ValueError
+        If there is none within 5 % of ``near``.
+    """
+    frequencies, vectors = _oscillations(system, near)
+    numbers = range(len(frequencies))
+    pairs = [("sum", p, q) for p, q in combinations_with_replacement(numbers, 2)]
+    pairs += [("difference", p, q) for p, q in combinations(numbers, 2)]
+    sign = {"sum": 1.0, "difference": -1.0}
+    total = np.array([frequencies[q] + sign[kind] * frequencies[p] for kind, p, q in pairs])
+    orders = np.arange(1, HIGHEST_ORDER + 1)
+    distance = np.abs(total[:, None] / orders / near - 1)
+    if not (distance <= FARTHEST).any():
+        first = ", ".join(f"{f:.6g}" for f in frequencies[:4]) or "none"
+        raise ValueError(
+            f"near = {near!r} is not within {FARTHEST:.0%} of any (omega_p ± omega_q) / j with j <= {HIGHEST_ORDER}; "
+            f"the natural frequencies are {first}{', ...' if len(frequencies) > 4 else ''}"
+        )
+    handicap = PREFERENCE ** (orders - 1.0) * np.array([[1.0 if kind == "sum" else PREFERENCE] for kind, _, _ in pairs])
+    score = np.where(distance <= FARTHEST, (distance + AGREEMENT) * handicap, np.inf)
+    row, column = np.unravel_index(int(score.argmin()), score.shape)
+    (kind, p, q), j = pairs[row], int(orders[column])
+    partner = vectors[:, p].conj() if kind == "sum" else vectors[:, p]
+    return Resonance(p + 1, q + 1, j, kind, float(total[row] / j), np.column_stack([vectors[:, q], partner]))
+
+
+def _oscillations(system: PeriodicSystem, near: float) -> tuple[NDArray[np.float64], NDArray[np.complex128]]:
+    """Return the frequencies, increasing, of the system at eps = 0 and its complex modes (2n, count) in q = (W', W).
+
+    Modes are those of the blocks into which the excited system splits: of two modes with equal frequency in different
+    blocks no mixture is formed.
+    """
+    n = system.size
+    frequencies, modes = [], []
+    for block in reduce_system(system, near, 1.0):
+        exponents, vectors = sla.eig(constant_matrix(block.equations))
+        oscillating = exponents.imag > SLOWEST * np.abs(exponents).max()
+        frequencies.append(exponents.imag[oscillating])
+        mode = np.zeros((2 * n, oscillating.sum()), dtype=complex)
+        mode[np.concatenate([block.coordinates, n + block.coordinates])] = block.to_q @ vectors[:, oscillating]
+        modes.append(mode)
+    frequency = np.concatenate(frequencies)
+    order = np.argsort(frequency)
+    return frequency[order], np.concatenate(modes, axis=1)[:, order]
