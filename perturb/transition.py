@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,9 +12,10 @@ from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import FloatArray, interval, one_of, real_array, whole_number
 from periodic.system import SYMMETRY_TOLERANCE
 from perturb.coupling import amplitude, products
-from perturb.curve import TransitionCurve
+from perturb.curve import Resonance, TransitionCurve
+from perturb.first_order import FirstOrder
 from perturb.modes import REPEATED, ComplexArray, GyroscopicModes, gyroscopic_modes
-from perturb.pair import pair_edges, pair_edges_vanishing, pair_growth, pair_slope, pair_tip
+from perturb.second_order import Expansion, SecondOrder
 
 KINDS = ("sum", "difference")
 
@@ -29,45 +29,9 @@ class Resonances(NamedTuple):
     kind: NDArray[np.str_]
     centre: FloatArray
 
-
-@dataclass(frozen=True, eq=False)
-class FirstOrder:
-    """A resonant pair to first order (`perturb.curve.Resonance`).
-
-    Attributes
-    ----------
-    kind : {"sum", "difference"}
-    L : ndarray, shape (), complex
-        Lambda_pq conj(Lambda_qp).
-    C_p, C_q : ndarray, shape ()
-        Decay coefficients of the two modes.
-    vanishing : (c_p, c_q) or None
-        Proportion in which the damping has vanished, for the literal eq. (25) at c = 0.
-    """
-
-    kind: str
-    L: ComplexArray
-    C_p: FloatArray
-    C_q: FloatArray
-    vanishing: tuple[FloatArray, FloatArray] | None = None
-
-    @property
-    def slope(self) -> float:
-        return float(pair_slope(*(self.vanishing or (self.C_p, self.C_q)), self.L))
-
-    @property
-    def tip(self) -> float:
-        return float(pair_tip(self.C_p, self.C_q, self.L))
-
-    def edges(self, eps: FloatArray) -> tuple[FloatArray, FloatArray]:
-        if self.kind == "difference" and self.L == 0:
-            return np.full_like(eps, np.nan), np.full_like(eps, np.nan)
-        if self.vanishing:
-            return pair_edges_vanishing(*self.vanishing, eps**2 * self.L)
-        return pair_edges(self.C_p, self.C_q, eps**2 * self.L)
-
-    def growth(self, s: FloatArray, eps: FloatArray) -> FloatArray:
-        return pair_growth(self.C_p, self.C_q, eps**2 * self.L, s)
+    def rows(self) -> Iterator[tuple[int, int, int, str, float]]:
+        """Return (p, q, j, kind, centre) of one resonance after the other."""
+        return zip(*(column.tolist() for column in self), strict=True)
 
 
 def transition_curves(
@@ -122,7 +86,7 @@ def transition_curves(
     - complex L (unsymmetric excitation matrices) and C_p C_q = 0: `perturb.pair.pair_edges`.
     """
     low, high = interval("Omega_range", Omega_range, nonnegative=True)
-    order = whole_number("order", order, least=1, most=1)
+    order = whole_number("order", order, least=1, most=2)
     kinds = _checked_kinds(kinds)
     system = _system_at(family, high)
     modes = gyroscopic_modes(system)
@@ -133,61 +97,56 @@ def transition_curves(
             "damping that takes energy from every mode (floquet/ takes any)"
         )
     proportion = _proportion(vanishing_damping, modes, order)
-    found = find_resonances(modes, system.harmonics, (low, high), kinds)
+    direct = {j for j in range(1, system.harmonics + 1) if amplitude(system, j).any()}
+    multiples = set(range(1, system.harmonics + 1))
+    if order == 2:
+        multiples |= {a + b for a in direct for b in direct}
+    found = find_resonances(modes, sorted(multiples), (low, high), kinds)
     L = _products_at_centres(family, modes, found)
-    C = modes.decay
-    return [
-        TransitionCurve(
-            p=int(p) + 1,
-            q=int(q) + 1,
-            j=int(j),
-            kind=str(kind),
-            order=1,
-            interaction=1,
-            centre=float(centre),
-            resonance=FirstOrder(
-                str(kind), value, C[p], C[q], None if proportion is None else (proportion[p], proportion[q])
-            ),
-        )
-        for p, q, j, kind, centre, value in zip(*found, L, strict=True)
-    ]
+    expansion = Expansion(family, modes)
+    curves = []
+    for (p, q, j, kind, centre), value in zip(found.rows(), L, strict=True):
+        vanishing = None if proportion is None else (proportion[p], proportion[q])
+        first = FirstOrder(kind, value, modes.decay[p], modes.decay[q], vanishing)
+        resonance: Resonance = first if order == 1 else SecondOrder(expansion, p, q, j, kind, centre, first)
+        interaction = 1 if order == 1 or j in direct else 2
+        curves.append(TransitionCurve(p + 1, q + 1, j, kind, order, interaction, centre, resonance))
+    return curves
 
 
 def find_resonances(
-    modes: GyroscopicModes, multiples: int, Omega_range: tuple[float, float], kinds: Sequence[str]
+    modes: GyroscopicModes, multiples: Sequence[int], Omega_range: tuple[float, float], kinds: Sequence[str]
 ) -> Resonances:
-    """Return all p >= q, j <= ``multiples`` with (omega_p ± omega_q) / j in the range, by increasing centre.
+    """Return all p >= q, j in ``multiples`` with (omega_p ± omega_q) / j in the range, by increasing centre.
 
     A difference of one repeated frequency is none.
     """
-    omega, j = modes.frequencies, np.arange(1, multiples + 1)
+    omega = modes.frequencies
     p, q = np.tril_indices(len(omega))
-    parts = []
-    for kind in kinds:
-        total = omega[p] + omega[q] if kind == "sum" else omega[p] - omega[q]
-        centre = total / j[:, None]
-        wanted = (total > REPEATED * omega[-1]) & (centre >= Omega_range[0]) & (centre <= Omega_range[1])
-        row, pair = np.nonzero(wanted)
-        parts.append(Resonances(p[pair], q[pair], j[row], np.full(len(row), kind), centre[wanted]))
-    joined = [np.concatenate(column) for column in zip(*parts, strict=True)]
-    by_centre = np.argsort(joined[-1], kind="stable")
-    return Resonances(*(column[by_centre] for column in joined))
+    sign = np.array([1 if kind == "sum" else -1 for kind in kinds])
+    total = omega[p] + sign[:, None] * omega[q]
+    centre = total[:, None] / np.array(multiples)[:, None]  # [kind, j, pair]
+    total = np.broadcast_to(total[:, None], centre.shape)
+    wanted = (total > REPEATED * omega[-1]) & (centre >= Omega_range[0]) & (centre <= Omega_range[1])
+    by_centre = np.argsort(centre[wanted], kind="stable")
+    of_kind, of_j, pair = (index[by_centre] for index in np.nonzero(wanted))
+    return Resonances(p[pair], q[pair], np.array(multiples)[of_j], np.array(kinds)[of_kind], centre[wanted][by_centre])
 
 
 def _products_at_centres(family: SystemFamily, modes: GyroscopicModes, found: Resonances) -> ComplexArray:
-    """Return L of every resonance, from the excitation at its centre."""
-    L = np.zeros(len(found.p), dtype=complex)
-    members: dict[
-        int, tuple[PeriodicSystem, list[int]]
-    ] = {}  # a family without frequency dependence returns one object
+    """Return L of every resonance, from the excitation at its centre; 0 where the excitation has no such harmonic."""
+    members: dict[int, tuple[PeriodicSystem, list[int]]] = {}  # one object for all centres where none depends on Omega
     for k, centre in enumerate(found.centre.tolist()):
         system = _system_at(family, centre)
         members.setdefault(id(system), (system, []))[1].append(k)
+    L = np.zeros(len(found.p), dtype=complex)
     for system, indices in members.values():
-        chosen = np.array(indices)
-        for j, kind in sorted(set(zip(found.j[chosen].tolist(), found.kind[chosen].tolist(), strict=True))):
-            of_kind = chosen[(found.j[chosen] == j) & (found.kind[chosen] == kind)]
-            L[of_kind] = products(modes, amplitude(system, j), kind)[found.p[of_kind], found.q[of_kind]]
+        at = np.array(indices)
+        for j in range(1, system.harmonics + 1):
+            for kind in KINDS:
+                chosen = at[(found.j[at] == j) & (found.kind[at] == kind)]
+                if len(chosen):
+                    L[chosen] = products(modes, amplitude(system, j), kind)[found.p[chosen], found.q[chosen]]
     return L
 
 

@@ -1,0 +1,211 @@
+"""Second-order perturbation theory of Floquet exponents in the modal basis: the effective matrix of a resonance.
+
+In the complex modal basis (nu = 1..n for Z_nu, n+1..2n for the conjugates, Z^H A Z = 1, omega of a conjugate negative)
+and with q = e^{lambda t} sum_h sum_nu a_nu^h Z_nu e^{i h Omega t}, the equations of motion are
+
+    lambda a_nu^h = i (omega_nu - h Omega) a_nu^h - sum_mu Gamma_numu a_mu^h
+                    - eps sum_j (E^{(j)} a^{h-j} + E^{(-j)} a^{h+j})_nu.
+
+A state is a pair (nu, h). States in resonance, those with almost equal omega_nu - h Omega, are treated exactly; all
+others act on them through the second-order sum of quasi-degenerate perturbation theory (Van Vleck's, symmetric in the
+two resonant states):
+
+    H_ab = D_a delta_ab + V_ab + 1/2 sum_c V_ac V_cb [1 / (D_a - D_c) + 1 / (D_b - D_c)],   D = i (omega_nu - h Omega).
+
+The eigenvalues of H are the exponents lambda with an error of third order in eps and damping.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from periodic import PeriodicSystem
+from periodic.checks import FloatArray
+from perturb.coupling import amplitude, is_symmetric, projection
+from perturb.modes import ComplexArray, GyroscopicModes
+
+# States whose frequencies in the resonance differ by less than this part of Omega belong together: the second-order sum
+# never divides by less, a tenth of the distance Omega between the harmonics of one mode.
+NEAR = 0.1
+
+# A block holds at most so many states. Chains of resonances (a string, all of whose frequencies are multiples of the
+# first) are longer; what is cut off lies several interactions away from the pair that names the region.
+LARGEST_BLOCK = 12
+
+
+@dataclass(frozen=True, eq=False)
+class ModalCouplings:
+    """Gamma and E^{(±j)} for all modes and their conjugates.
+
+    Attributes
+    ----------
+    omega : ndarray, shape (2n,)
+        Signed frequencies.
+    E : ndarray, shape (2J + 1, 2n, 2n), complex
+        E[J + j] is E^{(j)}, j = -J..J; in the middle, for j = 0, stands Gamma.
+    conservative : bool
+        No damping and symmetric excitation matrices.
+    """
+
+    omega: FloatArray
+    E: ComplexArray
+    conservative: bool
+
+    @property
+    def harmonics(self) -> int:
+        """J."""
+        return len(self.E) // 2
+
+
+def modal_couplings(modes: GyroscopicModes, system: PeriodicSystem) -> ModalCouplings:
+    """Return the couplings of all states of ``system`` in the basis ``modes``."""
+    J = system.harmonics
+    omega = np.concatenate([modes.frequencies, -modes.frequencies])
+    w = np.concatenate([modes.vectors, modes.vectors.conj()], axis=1) / np.sqrt(2)
+    E = np.zeros((2 * J + 1, len(omega), len(omega)), dtype=complex)
+    E[J] = omega[:, None] * projection(w, system.damping.astype(complex), w) * omega
+    symmetric = True
+    for j in range(1, J + 1):
+        E_j = amplitude(system, j)
+        upward = projection(w, E_j, w)
+        downward = upward.conj().T if is_symmetric(E_j) else projection(w, E_j.conj(), w)
+        E[J + j] = -0.5j * omega[:, None] * upward
+        E[J - j] = -0.5j * omega[:, None] * downward
+        symmetric = symmetric and is_symmetric(E_j)
+    return ModalCouplings(omega, E, conservative=symmetric and not system.damping.any())
+
+
+@dataclass(frozen=True, eq=False)
+class EffectiveBlock:
+    """Matrix H(x, eps) of the m states in resonance, in axes that rotate with e^{i omega_p t}; x = Omega - centre.
+
+    Attributes
+    ----------
+    states : ndarray, shape (m, 2)
+        nu (from 0) and h; the first two are the pair that names the resonance.
+    detuning : ndarray, shape (m,)
+        omega_nu - h centre - omega_p.
+    powers : ndarray, shape (3, m, m), complex
+        Coefficients of 1, eps and eps^2.
+    sizes : ndarray, shape (3, m, m)
+        The same sums with every term replaced by its modulus: what rounding is measured against.
+    drift : ndarray, shape (m, m), complex
+        Coefficient of eps x, where the excitation depends on Omega.
+    conservative : bool
+    """
+
+    states: NDArray[np.intp]
+    detuning: FloatArray
+    powers: ComplexArray
+    sizes: FloatArray
+    drift: ComplexArray
+    conservative: bool
+
+    def matrix(self, x: FloatArray, eps: FloatArray) -> ComplexArray:
+        """Return H for arrays x and eps that broadcast, shape (..., m, m)."""
+        x, eps = np.asarray(x)[..., None, None], np.asarray(eps)[..., None, None]
+        H = self.powers[0] + eps * self.powers[1] + eps**2 * self.powers[2] + eps * x * self.drift
+        return H + 1j * (np.diag(self.detuning) - x * np.diag(self.states[:, 1]))
+
+
+def effective_block(
+    couplings: ModalCouplings, pair: list[tuple[int, int]], centre: float, slope: ModalCouplings | None
+) -> EffectiveBlock:
+    """Return the effective matrix of the resonance of ``pair``.
+
+    Parameters
+    ----------
+    couplings : ModalCouplings
+        At Omega = ``centre``.
+    pair : list of two (nu, h)
+        States with equal omega_nu - h centre.
+    centre : float
+    slope : ModalCouplings or None
+        Derivative of the couplings with respect to Omega; None where there is none.
+    """
+    states = resonant_states(couplings, pair, centre)
+    nu, h = np.array(states).T
+    d = couplings.omega[nu] - h * centre
+    J = couplings.harmonics
+    powers, sizes = np.zeros((3, len(nu), len(nu)), dtype=complex), np.zeros((3, len(nu), len(nu)))
+    direct = _interaction(couplings, nu, h, nu, h)
+    _add(powers, sizes, (h[:, None] != h).astype(int), direct)
+    for other in range(min(h) - J, max(h) + J + 1):  # all states (c, other) with c outside the block
+        modes, harmonic = np.arange(len(couplings.omega)), np.full(len(couplings.omega), other)
+        there = _interaction(couplings, nu, h, modes, harmonic)
+        back = _interaction(couplings, modes, harmonic, nu, h)
+        gap = d[:, None] - (couplings.omega - other * centre)
+        far = np.abs(gap) >= NEAR * centre
+        far[:, nu[h == other]] = False
+        weight = np.divide(-0.5j, gap, out=np.zeros(gap.shape, dtype=complex), where=far)
+        step = (h != other).astype(int)
+        _add(powers, sizes, step[:, None] + step, there * weight, back)
+        _add(powers, sizes, step[:, None] + step, there, back * weight.T)
+    drift = np.zeros_like(powers[0]) if slope is None else _interaction(slope, nu, h, nu, h) * (h[:, None] != h)
+    return EffectiveBlock(np.array(states), d - d[0], powers, sizes, drift, couplings.conservative)
+
+
+def resonant_states(couplings: ModalCouplings, pair: list[tuple[int, int]], centre: float) -> list[tuple[int, int]]:
+    """Return ``pair`` and the states that are near-resonant with it and coupled to it, nearest interactions first.
+
+    A state joins if its frequency is within `NEAR` of that of a member it interacts with; if only two interactions
+    together link it to a member, an effect of higher order, if it is within the square of that.
+    """
+    states = list(pair)
+    J = couplings.harmonics
+    for nu, h in states:  # grows while it is read
+        for other in range(h - 2 * J, h + 2 * J + 1):
+            gap = np.abs(couplings.omega - other * centre - (couplings.omega[nu] - h * centre)) / centre
+            for mode in np.flatnonzero(gap < NEAR).tolist():
+                if (mode, other) in states:
+                    continue
+                if _linked(couplings, (nu, h), (mode, other), twice=bool(gap[mode] < NEAR**2)):
+                    states.append((mode, other))
+                if len(states) == LARGEST_BLOCK:
+                    return states
+    return states
+
+
+def _interaction(
+    couplings: ModalCouplings,
+    to: NDArray[np.intp],
+    h_to: NDArray[np.intp],
+    of: NDArray[np.intp],
+    h_of: NDArray[np.intp],
+) -> ComplexArray:
+    """Return - Gamma or - E^{(h_to - h_of)} from the states (of, h_of) to the states (to, h_to), eps left out."""
+    J = couplings.harmonics
+    step = h_to[:, None] - h_of
+    within = np.abs(step) <= J
+    return np.where(within, -couplings.E[np.where(within, J + step, J), to[:, None], of], 0)
+
+
+def _linked(couplings: ModalCouplings, a: tuple[int, int], b: tuple[int, int], twice: bool) -> bool:
+    """Whether states a and b interact directly or (``twice``) through a third one."""
+    (nu, h), (mu, k) = a, b
+    J, E = couplings.harmonics, couplings.E
+    if abs(h - k) <= J and (E[J + h - k, nu, mu] != 0 or E[J + k - h, mu, nu] != 0):
+        return True
+    return twice and any(
+        ((E[J + h - c, nu] != 0) & (E[J + c - k, :, mu] != 0)).any()
+        or ((E[J + k - c, mu] != 0) & (E[J + c - h, :, nu] != 0)).any()
+        for c in range(max(h, k) - J, min(h, k) + J + 1)
+    )
+
+
+def _add(
+    powers: ComplexArray,
+    sizes: FloatArray,
+    power: NDArray[np.intp],
+    left: ComplexArray,
+    right: ComplexArray | None = None,
+) -> None:
+    """Add ``left`` (times ``right``) to the coefficients of eps^power, element by element, and its moduli to sizes."""
+    term = left if right is None else left @ right
+    size = np.abs(left) if right is None else np.abs(left) @ np.abs(right)
+    for k in range(3):
+        powers[k] += np.where(power == k, term, 0)
+        sizes[k] += np.where(power == k, size, 0)

@@ -1,0 +1,51 @@
+"""A resonant pair to first order in eps, eqs. (24)-(27)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from periodic.checks import FloatArray
+from perturb.modes import ComplexArray
+from perturb.pair import pair_edges, pair_edges_vanishing, pair_growth, pair_slope, pair_tip
+
+
+@dataclass(frozen=True, eq=False)
+class FirstOrder:
+    """A resonant pair to first order (`perturb.curve.Resonance`).
+
+    Attributes
+    ----------
+    kind : {"sum", "difference"}
+    L : ndarray, shape (), complex
+        Lambda_pq conj(Lambda_qp).
+    C_p, C_q : ndarray, shape ()
+        Decay coefficients of the two modes.
+    vanishing : (c_p, c_q) or None
+        Proportion in which the damping has vanished, for the literal eq. (25) at c = 0.
+    """
+
+    kind: str
+    L: ComplexArray
+    C_p: FloatArray
+    C_q: FloatArray
+    vanishing: tuple[FloatArray, FloatArray] | None = None
+
+    @property
+    def slope(self) -> float:
+        return float(pair_slope(*(self.vanishing or (self.C_p, self.C_q)), self.L))
+
+    @property
+    def tip(self) -> float:
+        return float(pair_tip(self.C_p, self.C_q, self.L))
+
+    def edges(self, eps: FloatArray) -> tuple[FloatArray, FloatArray]:
+        if self.kind == "difference" and self.L == 0:
+            return np.full_like(eps, np.nan), np.full_like(eps, np.nan)
+        if self.vanishing:
+            return pair_edges_vanishing(*self.vanishing, eps**2 * self.L)
+        return pair_edges(self.C_p, self.C_q, eps**2 * self.L)
+
+    def growth(self, s: FloatArray, eps: FloatArray) -> FloatArray:
+        return pair_growth(self.C_p, self.C_q, eps**2 * self.L, s)

@@ -1,0 +1,158 @@
+"""Resonances to second order in eps: frequency shift, curvature, and the regions of j = j1 + j2.
+
+The theory is in `perturb.expansion`: edges and growth rates have errors of third order in eps and damping.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from periodic import PeriodicSystem, SystemFamily
+from periodic.checks import FloatArray
+from perturb.block import block_interval
+from perturb.expansion import EffectiveBlock, ModalCouplings, effective_block, modal_couplings
+from perturb.first_order import FirstOrder
+from perturb.modes import ComplexArray, GyroscopicModes
+from perturb.pair import pair_edges, pair_growth
+
+# Relative step in Omega for the derivative of an excitation that depends on Omega: its square, and rounding
+# divided by it, both stay far below the third-order terms left out.
+DERIVATIVE_STEP = 1e-4
+
+# A sum whose terms cancel to this part of their moduli is zero.
+CANCELLED = 1e-10
+
+# The tip of a damped region is sought so many octaves above and below the eps at which excitation and damping
+# balance, and there to half a unit in the tenth decimal.
+TIP_OCTAVES = 6
+TIP_BISECTIONS = 33
+
+# Where the excitation depends on Omega, every repetition of the solution for an edge gains one order in eps.
+REPETITIONS = 3
+
+
+class Expansion:
+    """Modal couplings of a family, assembled when a resonance asks for them."""
+
+    def __init__(self, family: SystemFamily, modes: GyroscopicModes) -> None:
+        self.family = family
+        self.modes = modes
+        self._latest: tuple[PeriodicSystem, ModalCouplings] | None = None
+
+    def block(self, p: int, q: int, j: int, kind: str, centre: float) -> EffectiveBlock:
+        """Return the effective matrix of j Omega = omega_p ± omega_q (p, q from 0)."""
+        n = len(self.modes.frequencies)
+        partner = q + n if kind == "sum" else q
+        step = DERIVATIVE_STEP * centre
+        around = [self.family.at(centre + side * step) for side in (-1, 1)]
+        slope = None
+        if any((a != b).any() for a, b in zip(_excitation(around[0]), _excitation(around[1]), strict=True)):
+            below, above = (modal_couplings(self.modes, system) for system in around)
+            slope = ModalCouplings(above.omega, (above.E - below.E) / (2 * step), above.conservative)
+        return effective_block(self._couplings(self.family.at(centre)), [(p, 0), (partner, -j)], centre, slope)
+
+    def _couplings(self, system: PeriodicSystem) -> ModalCouplings:
+        if self._latest is None or self._latest[0] is not system:
+            self._latest = system, modal_couplings(self.modes, system)
+        return self._latest[1]
+
+
+def _excitation(system: PeriodicSystem) -> tuple[FloatArray, FloatArray]:
+    return system.cosine, system.sine
+
+
+@dataclass(frozen=True, eq=False)
+class SecondOrder:
+    """A resonant pair, or the block of near-resonant states it belongs to, to second order (`perturb.curve.Resonance`).
+
+    Attributes
+    ----------
+    expansion : Expansion
+    p, q, j : int
+        p and q from 0.
+    kind : {"sum", "difference"}
+    centre : float
+    first : FirstOrder
+        The same pair to first order.
+    """
+
+    expansion: Expansion
+    p: int
+    q: int
+    j: int
+    kind: str
+    centre: float
+    first: FirstOrder
+
+    @cached_property
+    def block(self) -> EffectiveBlock:
+        return self.expansion.block(self.p, self.q, self.j, self.kind, self.centre)
+
+    @property
+    def slope(self) -> float:
+        return self.first.slope
+
+    @cached_property
+    def tip(self) -> float:
+        block, (C_p, C_q) = self.block, (self.first.C_p, self.first.C_q)
+        once, twice = (float(np.abs(block.powers[k]).max()) for k in (1, 2))
+        if once == twice == 0:
+            return np.inf
+        # eps at which the excitation moves exponents by as much as damping, or by little compared with the frequencies
+        rate = 0.5 * float(max(C_p, C_q)) if C_p * C_q > 0 else 1e-3 * self.centre
+        eps = 2 * rate / (once + np.sqrt(once**2 + 4 * rate * twice))
+        if C_p * C_q == 0:
+            return 0.0 if self._is_open(eps) else np.inf
+        ladder = eps * 2.0 ** np.arange(-TIP_OCTAVES, TIP_OCTAVES + 1)
+        opened = next((value for value in ladder.tolist() if self._is_open(value)), np.inf)
+        closed = 0.5 * opened
+        for _ in range(TIP_BISECTIONS if np.isfinite(opened) else 0):
+            middle = 0.5 * (closed + opened)
+            closed, opened = (closed, middle) if self._is_open(middle) else (middle, opened)
+        return opened
+
+    def edges(self, eps: FloatArray) -> tuple[FloatArray, FloatArray]:
+        if len(self.block.states) > 2:
+            intervals = np.array([block_interval(self.block, value) for value in eps.ravel().tolist()])
+            low, high = self.j * intervals.reshape(-1, 2).T
+            return low.reshape(eps.shape), high.reshape(eps.shape)
+        low, high = np.zeros(eps.shape), np.zeros(eps.shape)
+        for _ in range(REPETITIONS if self.block.drift.any() else 1):
+            low, high = self._edges_at(low, eps)[0], self._edges_at(high, eps)[1]
+        return low, high
+
+    def growth(self, s: FloatArray, eps: FloatArray) -> FloatArray:
+        if len(self.block.states) > 2:
+            return np.linalg.eigvals(self.block.matrix(s / self.j, eps)).real.max(axis=-1)
+        C_p, C_q, L, shift = self._pair(s, eps)
+        return pair_growth(C_p, C_q, L, s - shift)
+
+    def _edges_at(self, s: FloatArray, eps: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the edges for the excitation as it is at the detunings ``s``."""
+        C_p, C_q, L, shift = self._pair(np.where(np.isfinite(s), s, 0), eps)
+        low, high = pair_edges(C_p, C_q, L)
+        uncoupled = (L == 0) & (self.kind == "difference")
+        return np.where(uncoupled, np.nan, low + shift), np.where(uncoupled, np.nan, high + shift)
+
+    def _is_open(self, eps: float) -> bool:
+        if len(self.block.states) > 2:
+            return not np.isnan(block_interval(self.block, eps)[0])
+        C_p, C_q, L, _ = self._pair(np.array(0.0), np.array(eps))
+        return bool(np.abs(L) + L.real > 2 * C_p * C_q)
+
+    def _pair(self, s: FloatArray, eps: FloatArray) -> tuple[FloatArray, FloatArray, ComplexArray, FloatArray]:
+        """Return C_p, C_q, L and the shift of the centre in s that the 2 x 2 block amounts to."""
+        block = self.block
+        H = block.matrix(np.zeros_like(s), eps) + (eps * s / self.j)[..., None, None] * block.drift
+        amplitude = np.abs(eps)[..., None, None]
+        size = block.sizes[0] + amplitude * block.sizes[1] + amplitude**2 * block.sizes[2]
+        decay = -2 * np.diagonal(H, axis1=-2, axis2=-1).real
+        decay = np.where(np.abs(decay) <= CANCELLED * np.diagonal(size, axis1=-2, axis2=-1), 0, decay)
+        L = 4 * H[..., 0, 1] * H[..., 1, 0]
+        is_real = np.abs(L.imag) <= 4 * CANCELLED * size[..., 0, 1] * size[..., 1, 0]
+        if block.conservative:
+            decay, is_real = np.zeros_like(decay), True
+        return decay[..., 0], decay[..., 1], np.where(is_real, L.real, L), (H[..., 0, 0] - H[..., 1, 1]).imag
