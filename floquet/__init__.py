@@ -1,7 +1,8 @@
 """Stability from Floquet multipliers: one point, charts, and boundaries by root-finding."""
 
 from floquet.boundary import BoundaryTrace, trace_boundary
+from floquet.chart import StabilityChart, stability_chart
 from floquet.monodromy import Monodromy, monodromy
 from floquet.multipliers import Kind
 
-__all__ = ["BoundaryTrace", "Kind", "Monodromy", "monodromy", "trace_boundary"]
+__all__ = ["BoundaryTrace", "Kind", "Monodromy", "StabilityChart", "monodromy", "stability_chart", "trace_boundary"]
