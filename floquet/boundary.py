@@ -12,9 +12,9 @@ from scipy.optimize import brentq
 
 from floquet.monodromy import member_at, period_map, propagate, steps_of_period
 from floquet.multipliers import Kind
-from floquet.reduction import modulation, reduce_system
+from floquet.reduction import Reduction, modulation, reduce_system
 from floquet.resonance import Resonance, nearest_resonance
-from periodic import SystemFamily
+from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import FloatArray, real_array, real_number
 
 ComplexArray = NDArray[np.complex128]
@@ -159,10 +159,11 @@ class _Route:
         self.resonance = resonance
         n = len(resonance.vectors) // 2
         support = [np.abs(vector[n:]).argmax() for vector in resonance.vectors.T]
-        blocks = reduce_system(family.at(resonance.centre), resonance.centre, 1.0)
+        blocks = reduce_system(family.at(resonance.centre), 1.0, resonance.centre)
         first, second = (next(b for b in blocks if row in b.coordinates) for row in support)
         self.coupled = first is second
         self.row = support[0]
+        self.latest: tuple[PeriodicSystem, float, Reduction, NDArray[np.intp]] | None = None
         self.spacing = STATION / max(modulation(first.equations), np.finfo(float).tiny)
         self.stations = [_Station(0.0, resonance.centre, resonance.vectors)]
 
@@ -196,17 +197,14 @@ class _Route:
             self.stations.append(_Station(following, top.Omega, top.vectors))
 
     def _point(self, Omega: float, eps: float, station: _Station, checked: bool = False) -> Point:
-        blocks = reduce_system(self.family.at(Omega), Omega, eps)
-        block = next(b for b in blocks if self.row in b.coordinates)
-        m = len(block.coordinates)
+        block, rows = self._block(Omega, eps)
         error = np.nan
         if checked:
             found = period_map(block, Omega, eps, TOLERANCE)
             Phi, error = found.matrix, found.error
         else:
-            Phi = propagate(block, Omega, eps, steps_of_period(block, Omega), TOLERANCE, np.eye(2 * m))
+            Phi = propagate(block, Omega, eps, steps_of_period(block, Omega), TOLERANCE, np.eye(len(rows)))
         mu, left, right = sla.eig(Phi, left=True, right=True)  # type: ignore[misc]  # the stubs know two results only
-        rows = np.concatenate([block.coordinates, self.family.at(Omega).size + block.coordinates])
         span, _ = np.linalg.qr(block.from_q @ station.vectors[rows])
         part = np.linalg.norm(span.conj().T @ right, axis=0)
         pair = np.argsort(part)[-2:]
@@ -218,6 +216,16 @@ class _Route:
         vectors = np.zeros_like(station.vectors)
         vectors[rows] = block.to_q @ right[:, pair]
         return Point(Omega, value, error, mu[pair], vectors)
+
+    def _block(self, Omega: float, eps: float) -> tuple[Reduction, NDArray[np.intp]]:
+        """Return the block of the pair and its rows in (W', W); computed anew only if the system or eps has changed."""
+        member = self.family.at(Omega)
+        if self.latest is None or self.latest[0] is not member or self.latest[1] != eps:
+            blocks = reduce_system(member, eps, self.resonance.centre)
+            block = next(b for b in blocks if self.row in b.coordinates)
+            rows = np.concatenate([block.coordinates, member.size + block.coordinates])
+            self.latest = (member, eps, block, rows)
+        return self.latest[2:]
 
     def _lock(self) -> float | None:
         """Return the point of the unit circle at which the pair meets: fixed if both belong to one mode."""

@@ -105,7 +105,7 @@ def monodromy(system: SystemFamily, Omega: float, eps: float, *, tolerance: floa
     if not 1e-15 <= tolerance <= 1e-3:
         raise ValueError(f"tolerance = {tolerance!r} is out of range; give a number from 1e-15 to 1e-3")
     member = member_at(system, Omega)
-    blocks = reduce_system(member, Omega, eps)
+    blocks = reduce_system(member, eps, Omega / (2 * np.pi))
     maps = [period_map(block, Omega, eps, tolerance) for block in blocks]
     joint = combine(
         [
@@ -179,7 +179,8 @@ def period_map(block: Reduction, Omega: float, eps: float, tolerance: float) -> 
 
 def steps_of_period(block: Reduction, Omega: float) -> int:
     """Return the number of equal steps of one period, before any halving."""
-    return int(np.ceil(2 * np.pi / Omega * block.rate / STEP))
+    harmonics = block.equations.alpha.shape[1] - 1
+    return int(np.ceil(2 * np.pi * (block.rate / Omega + harmonics) / STEP))
 
 
 def _probes(m: int) -> tuple[FloatArray, int]:

@@ -30,7 +30,7 @@ class Reduction(NamedTuple):
     equations : Block
         Coefficients.
     rate : float
-        Bound on the rate of the fastest motion.
+        Bound on the norm of the coefficient matrix at any time: no free motion is faster.
     neglected : float
         Norm of all couplings and asymmetries dropped, as a coefficient matrix of y, per unit of time.
     reciprocal : bool
@@ -49,19 +49,20 @@ class Reduction(NamedTuple):
     form: FloatArray | None
 
 
-def reduce_system(system: PeriodicSystem, Omega: float, eps: float) -> list[Reduction]:
-    """Split ``system`` into blocks and write each in energy coordinates.
+def reduce_system(system: PeriodicSystem, eps: float, slowest: float) -> list[Reduction]:
+    """Split ``system`` at amplitude ``eps`` into blocks and write each in energy coordinates.
 
-    With modes of the symmetric part of the stiffness, mass-normalised, W = modes @ (y1 / w) and W' = modes @ y2,
-    where w is the square root of the modulus of the eigenvalue: a conservative motion is nearly a rotation of (y1,
-    y2), and the monodromy matrix as well-conditioned as can be.
+    With modes of the symmetric part of the stiffness, mass-normalised, W = modes @ (y1 / w) and W' = modes @ y2. The
+    scales w are the square roots of the moduli of the eigenvalues: a conservative motion is nearly a rotation of
+    (y1, y2), and the monodromy matrix as well-conditioned as can be. ``slowest`` > 0 is the scale of coordinates that
+    have less stiffness than that.
     """
     constant = np.array([system.mass, system.gyroscopic, system.damping, system.stiffness])
     matrices = np.concatenate([constant, eps * system.cosine, eps * system.sine])
     scale = 1 / np.sqrt(np.diag(system.mass))
     label = _components(scale[:, None] * matrices * scale)
     blocks = [np.flatnonzero(label == b) for b in range(label.max() + 1)]
-    reduced = [_reduce(matrices[:, index[:, None], index], index, Omega) for index in blocks]
+    reduced = [_reduce(matrices[:, index[:, None], index], index, slowest) for index in blocks]
     if len(blocks) == 1:
         return reduced
     neglected = _neglected(matrices, reduced, label)
@@ -111,7 +112,7 @@ def _neglected(matrices: FloatArray, blocks: list[Reduction], label: NDArray[np.
     return float(np.linalg.norm(G) + np.linalg.norm(C) + sum(np.linalg.norm(force / w) for force in forces))
 
 
-def _reduce(matrices: FloatArray, index: NDArray[np.intp], Omega: float) -> Reduction:
+def _reduce(matrices: FloatArray, index: NDArray[np.intp], slowest: float) -> Reduction:
     M, G, C = matrices[:3]
     forces = matrices[3:]  # K, eps F_c1 ... eps F_sJ
     skew = (forces - forces.transpose(0, 2, 1)) / 2
@@ -120,8 +121,7 @@ def _reduce(matrices: FloatArray, index: NDArray[np.intp], Omega: float) -> Redu
     _, modes = sla.eigh(K, M)
     # Rayleigh quotients: eigh gives every eigenvalue to rounding of the largest, these are good to their own rounding
     k = np.einsum("ij,ij->j", modes, K @ modes) / np.einsum("ij,ij->j", modes, M @ modes)
-    # a coordinate without stiffness needs some scale: that of the excitation
-    w = np.maximum(np.sqrt(np.abs(k)), Omega / (2 * np.pi))
+    w = np.maximum(np.sqrt(np.abs(k)), slowest)
     damping = modes.T @ (G + C) @ modes
     asymmetry = modes.T @ skew @ modes / w
     excitation = modes.T @ forces[1:] @ modes / w
@@ -139,7 +139,7 @@ def _reduce(matrices: FloatArray, index: NDArray[np.intp], Omega: float) -> Redu
         to_q=np.block([[zero, modes], [modes / w, zero]]),
         from_q=np.block([[zero, w[:, None] * inverse], [inverse, zero]]),
         equations=equations,
-        rate=_rate(equations, Omega),
+        rate=_rate(equations),
         neglected=float(np.linalg.norm(asymmetry, axis=(1, 2)).sum()) if symmetric else 0.0,
         reciprocal=not C.any() and (symmetric or not (G.any() or sines.any())),
         form=_symplectic_form(w, damping) if symmetric and not C.any() else None,
@@ -172,8 +172,8 @@ def _forcing(constant: FloatArray, excitation: FloatArray) -> tuple[FloatArray, 
     return alpha, beta, B
 
 
-def _rate(equations: Block, Omega: float) -> float:
-    """Return the norm of the coefficient matrix, in the better of two scalings, plus the highest frequency of f_r."""
+def _rate(equations: Block) -> float:
+    """Return a bound on the norm of the coefficient matrix, in the better of two scalings."""
     B, D = _parts(equations)
     sizes = np.linalg.norm(B, 2, axis=(1, 2))
     forcing = float(sizes @ np.hypot(equations.alpha, equations.beta).sum(axis=1))
@@ -181,4 +181,4 @@ def _rate(equations: Block, Omega: float) -> float:
     w, k = equations.w.max(), np.abs(equations.k).max()
     as_it_is = max(w, k + forcing)
     rescaled = np.sqrt(w * (k + forcing))
-    return float(min(as_it_is, rescaled) + damping + (equations.alpha.shape[1] - 1) * Omega)
+    return float(min(as_it_is, rescaled)) + damping

@@ -90,7 +90,7 @@ def _oscillations(system: PeriodicSystem, near: float) -> tuple[NDArray[np.float
     """
     n = system.size
     frequencies, modes = [], []
-    for block in reduce_system(system, near, 1.0):
+    for block in reduce_system(system, 1.0, near):
         exponents, vectors = sla.eig(constant_matrix(block.equations))
         oscillating = exponents.imag > SLOWEST * np.abs(exponents).max()
         frequencies.append(exponents.imag[oscillating])

@@ -24,8 +24,8 @@ from periodic.checks import FloatArray
 
 # Solutions beyond this size are not followed: their squares, which norms need, would overflow.
 LARGEST = 1e150
-# Taylor coefficients of f_r below this part of the largest cannot change a float64 sum.
-NEGLIGIBLE = 1e-19
+# Taylor coefficients of f_r below this part of the largest do not change a float64 sum.
+NEGLIGIBLE = 1e-18
 
 CONVERGED, UNCONVERGED, OVERFLOWN = 0, 1, 2
 
@@ -72,46 +72,40 @@ def significant(coefficients):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def taylor_step(block, coefficients, h, tolerance, y1, y2, history, stacked):  # type: ignore[no-untyped-def]
-    """Advance (y1, y2), each (m, columns), in place by h; return the number of terms and the last term's relative size.
+    """Advance (y1, y2), each (m, columns), in place by h; return the number of terms and the last one's relative size.
 
-    The series ends when two successive terms are below ``tolerance`` relative to the solution, or at the order that
-    ``coefficients`` (R, order) and ``history`` (order + 1, m * columns) allow. ``stacked`` is work space with a row
-    for each column of S.
+    The series ends when two successive terms are below ``tolerance`` relative to the initial values, or at the order
+    that ``coefficients`` (R, order) and ``history`` (order + 1, m * columns) allow. ``history`` receives the terms of
+    y1. ``stacked`` (R + 1, m * columns) is work space: what S multiplies, the current term of y2 last.
     """
     m, columns = y1.shape
-    functions = coefficients.shape[0]
-    order = history.shape[0] - 1
+    functions, order = coefficients.shape
     memory = significant(coefficients)
-    first = history[0].reshape(m, columns)
-    first[:] = y1
-    term2 = y2.copy()
+    sum1, sum2, term2 = y1.ravel(), y2.ravel(), stacked[functions]
+    history[0] = sum1
+    term2[:] = sum2
+    multiplied = stacked.reshape((functions + 1) * m, columns)[: block.S.shape[1]]
     force = np.empty((m, columns))
-    previous = np.inf
-    relative = np.inf
+    size = np.dot(sum1, sum1) + np.dot(sum2, sum2)
+    previous = relative = np.inf
     for q in range(order):
-        present = history[q].reshape(m, columns)
-        following = history[q + 1].reshape(m, columns)
+        present, following = history[q], history[q + 1]
         span = min(q + 1, memory)
         for r in range(functions):
             # Cauchy product: Taylor coefficient q of f_r y1
-            row = coefficients[r]
-            product = np.dot(row[order - span :], history[q + 1 - span : q + 1])
-            stacked[r * m : (r + 1) * m] = product.reshape(m, columns)
-        if block.damped:
-            stacked[functions * m :] = term2
-        np.dot(block.S, stacked, force)
+            np.dot(coefficients[r, order - span :], history[q + 1 - span : q + 1], stacked[r])
+        np.dot(block.S, multiplied, force)
         scale = h / (q + 1)
         for i in range(m):
-            ahead, back = scale * block.w[i], scale * block.k[i]
+            ahead, back, row = scale * block.w[i], scale * block.k[i], i * columns
             for c in range(columns):
-                following[i, c] = ahead * term2[i, c]
-                term2[i, c] = -back * present[i, c] - scale * force[i, c]
-                y1[i, c] += following[i, c]
-                y2[i, c] += term2[i, c]
-        # norms by dot products: BLAS is several times faster than a loop with comparisons
-        size = np.dot(y1.ravel(), y1.ravel()) + np.dot(y2.ravel(), y2.ravel())
-        latest = np.dot(history[q + 1], history[q + 1]) + np.dot(term2.ravel(), term2.ravel())
-        relative = np.sqrt(latest / size) if size > 0.0 else np.inf
+                first = ahead * term2[row + c]
+                second = -back * present[row + c] - scale * force[i, c]
+                following[row + c] = first
+                term2[row + c] = second
+                sum1[row + c] += first
+                sum2[row + c] += second
+        relative = np.sqrt((np.dot(following, following) + np.dot(term2, term2)) / size)
         if relative <= tolerance and previous <= tolerance:
             return q + 1, relative
         previous = relative
@@ -120,7 +114,7 @@ def taylor_step(block, coefficients, h, tolerance, y1, y2, history, stacked):  #
 
 @njit(cache=True, nogil=True)
 def integrate(block, Omega, steps, order, tolerance, y1, y2):  # type: ignore[no-untyped-def]
-    """Advance (y1, y2) in place over one period in equal steps.
+    """Advance (y1, y2), each (m, columns), in place over one period in equal steps.
 
     Returns
     -------
@@ -129,7 +123,7 @@ def integrate(block, Omega, steps, order, tolerance, y1, y2):  # type: ignore[no
     """
     m, columns = y1.shape
     history = np.empty((order + 1, m * columns))
-    stacked = np.empty((block.S.shape[1], columns))
+    stacked = np.empty((block.alpha.shape[0] + 1, m * columns))
     h = 2.0 * np.pi / Omega / steps
     status = CONVERGED
     for step in range(steps):
@@ -137,7 +131,6 @@ def integrate(block, Omega, steps, order, tolerance, y1, y2):  # type: ignore[no
         _, relative = taylor_step(block, coefficients, h, tolerance, y1, y2, history, stacked)
         if not relative <= tolerance:
             status = UNCONVERGED
-        largest = max(np.abs(y1).max(), np.abs(y2).max())
-        if not largest <= LARGEST:
+        if not max(np.abs(y1).max(), np.abs(y2).max()) <= LARGEST:
             return OVERFLOWN
     return status
