@@ -28,7 +28,7 @@ from floquet.enclosure import Equation, blocks, equation_of_motion, flow, norm
 
 # Decides nearly every point; each further doubling of the precision costs about four times as much.
 FIRST_BITS = 128
-LEAST_BITS, MOST_BITS = 64, 8192
+LEAST_BITS, MOST_BITS = 64, 2048
 # Angles of multipliers closer than this are one angle to the choice of an invariant form. The form then need not tell
 # them apart; if it must, they are told apart as simple multipliers.
 SAME_ANGLE = 1e-6
@@ -54,7 +54,7 @@ class CertifiedGrowth:
         STABLE: every solution is bounded for t >= 0. UNSTABLE: some solution grows exponentially. UNDECIDED: neither
         could be proved with the precision allowed, as happens on a boundary of stability itself.
     bits : int
-        Working precision at which the verdict fell.
+        Working precision at which the verdict fell, or the highest that was tried.
     reason : str
         How it was decided, or why not.
     """
@@ -78,7 +78,7 @@ def certified_monodromy(family: SystemFamily, Omega: float, eps: float, *, bits:
     eps : float
         Relative excitation amplitude, any sign, dimensionless; exact.
     bits : int
-        Working precision, 64 to 8192. More bits give a narrower enclosure; every enclosure is valid.
+        Working precision, 64 to 2048. More bits give a narrower enclosure; every enclosure is valid.
 
     Returns
     -------
@@ -109,7 +109,7 @@ def certified_growth(
     family, Omega, eps
         As for `certified_monodromy`.
     max_bits : int
-        Highest working precision, 128 to 8192. The first is 128; each attempt has twice the one before.
+        Highest working precision, 128 to 2048. The first is 128; each attempt has twice the one before.
 
     Returns
     -------
@@ -119,6 +119,10 @@ def certified_growth(
     ------
     ValueError
         As `certified_monodromy`.
+
+    Notes
+    -----
+    python-flint keeps one working precision for the whole process: do not call this from several threads at once.
     """
     system, Omega, eps = _checked(family, Omega, eps)
     max_bits = whole_number("max_bits", max_bits, least=FIRST_BITS, most=MOST_BITS)

@@ -148,7 +148,8 @@ def _plan(equation: Equation, bits: int) -> tuple[int, int, arb]:
     n, Omega = equation.P.nrows(), float(equation.Omega)
     steady = float(2 * arb.pi() * equation.steady / equation.Omega)
     j = np.array(list(equation.pulsating), dtype=float)
-    amplitude = np.array([float(g / (k * equation.Omega)) for k, g in equation.pulsating.items()])
+    # above zero also where it underflows, for 0 times infinity is no number
+    amplitude = np.array([max(float(g / (k * equation.Omega)), 1e-300) for k, g in equation.pulsating.items()])
     total = steady + 2 * math.pi * float(j @ amplitude)
     fewest, most = total / LONGEST_STEP, MOST_WORK / (2 * n**3 + OVERHEAD)
     if not fewest < most:

@@ -1,0 +1,162 @@
+#!/usr/bin/env python3
+"""Prove whether one point (Omega, eps) of a stability chart is stable or unstable, and bound its growth rate."""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import inspect
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from compare.cases import load_case
+from compare.matrices import load_system
+from periodic import PeriodicSystem, SystemFamily, examples
+from periodic.checks import real_number
+from plate import MovingPlate
+
+EXAMPLES: dict[str, Callable[..., PeriodicSystem]] = {
+    "mathieu": examples.mathieu,
+    "coupled": examples.coupled_mathieu,
+    "rotor": examples.gyroscopic_rotor,
+    "meissner": examples.meissner,
+}
+# What ball arithmetic does in seconds; a larger plate is cut to SMALL_TERMS unless --terms asks for more.
+MOST_COORDINATES = 6
+SMALL_TERMS = (2, 3)
+
+EPILOG = """\
+examples:
+  scripts/certify.py --example mathieu --at 1.9,0.3
+  scripts/certify.py --example mathieu --set delta=2.5 --set damping=0.01 --at 3.1,0.4 --at 3.2,0.4
+  scripts/certify.py --example coupled --set kind=difference --set frequencies=1,1.7 --at 0.7,0.5
+  scripts/certify.py --case cases/fig2.toml --at 18.6,0.3
+  scripts/certify.py --case cases/fig2.toml --terms 3,2 --at 18.6,0.3
+  scripts/certify.py --system mine.npz --at 4.2,0.1
+
+The verdict is a theorem about the ordinary differential equations with exactly these coefficients: the matrices as
+float64 numbers, Omega and eps as the float64 numbers next to the decimals given. It comes from ball arithmetic, which
+encloses every error of rounding and truncation; docs/certify.md has the proof.
+
+  stable     every solution is bounded for all t >= 0
+  unstable   some solution grows exponentially
+  undecided  neither was proved with --bits; on a boundary of stability itself no number of bits is enough
+
+A plate of more than 6 coordinates (axial times lateral terms) is cut to 2 axial and 3 lateral terms, or to those of
+--terms; the verdict is about that discrete plate, whose boundaries are near those of the converged one, not the same.
+
+The exit status is 0 if every point was decided, 1 if one was not, 2 if the input is wrong or python-flint is missing
+(pip install 'floquet-charts[certify]').
+"""
+
+
+def main(arguments: list[str] | None = None) -> int:
+    options = _parser().parse_args(arguments)
+    try:
+        from floquet.certified import Verdict, certified_growth
+
+        systems = _systems(options)
+        decided = True
+        for title, family in systems.items():
+            size = family.at(options.at[0][0]).size
+            print(f"{title} (n = {size})")
+            for Omega, eps in options.at:
+                found = certified_growth(family, Omega, eps, max_bits=options.bits)
+                print(f"  Omega = {Omega!r}, eps = {eps!r}: {found.verdict} ({found.bits} bits)")
+                print(f"    {found.reason}")
+                print(f"    growth rate in [{found.lower!r}, {found.upper!r}]", flush=True)
+                decided &= found.verdict is not Verdict.UNDECIDED
+    except (ValueError, ImportError) as error:
+        print(f"certify: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("certify: interrupted", file=sys.stderr)
+        return 130
+    return 0 if decided else 1
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        description=__doc__, epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    what = parser.add_mutually_exclusive_group(required=True)
+    what.add_argument("--case", type=Path, metavar="FILE", help="a case file: each of its plates (docs/cases.md)")
+    what.add_argument("--system", type=Path, metavar="FILE", help="your own matrices (docs/matrices.md)")
+    what.add_argument("--example", choices=sorted(EXAMPLES), help="a small system with known answers")
+    parser.add_argument(
+        "--at", type=_point, action="append", required=True, metavar="OMEGA,EPS", help="the point; may be repeated"
+    )
+    parser.add_argument("--terms", type=_terms, metavar="K,L", help="axial and lateral terms of the plates of --case")
+    parser.add_argument(
+        "--set", type=_setting, action="append", default=[], metavar="NAME=VALUE", help="a parameter of --example"
+    )
+    parser.add_argument("--bits", type=int, default=512, metavar="N", help="highest precision, 128 to 2048 (512)")
+    return parser
+
+
+def _point(text: str) -> tuple[float, float]:
+    try:
+        Omega, eps = map(float, text.split(","))
+        return real_number("Omega", Omega, positive=True), real_number("eps", eps)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is no point; give Omega > 0 and eps, such as 18.6,0.3") from None
+
+
+def _terms(text: str) -> tuple[int, int]:
+    try:
+        axial, lateral = map(int, text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} are no terms; give two whole numbers, such as 2,3") from None
+    return axial, lateral
+
+
+def _setting(text: str) -> tuple[str, Any]:
+    name, given, value = text.partition("=")
+    if not (name and given and value):
+        raise argparse.ArgumentTypeError(f"{text!r} is no setting; give NAME=VALUE, such as delta=2.5")
+    try:
+        return name, json.loads(f"[{value}]" if "," in value else value)
+    except json.JSONDecodeError:
+        return name, value
+
+
+def _systems(options: argparse.Namespace) -> dict[str, SystemFamily]:
+    """Return what is asked for under a title. Raises ValueError if it cannot be had."""
+    if options.set and not options.example:
+        raise ValueError("--set is for the parameters of --example; leave it out")
+    if options.terms and not options.case:
+        raise ValueError("--terms is for the plates of --case; leave it out")
+    if options.system:
+        return {str(options.system): load_system(options.system)}
+    if options.example:
+        return _example(options.example, dict(options.set))
+    case = load_case(options.case)
+    return {
+        f"{case.title}: {label}" if label else case.title: _small(plate, options.terms)
+        for label, plate in case.systems().items()
+    }
+
+
+def _example(name: str, settings: dict[str, Any]) -> dict[str, SystemFamily]:
+    make = EXAMPLES[name]
+    known = inspect.signature(make).parameters
+    for key in settings:
+        if key not in known:
+            raise ValueError(f"--set {key}: {name} has no such parameter; it has {', '.join(known)}")
+    values = {key: settings.get(key, parameter.default) for key, parameter in known.items()}
+    return {f"{name}({', '.join(f'{key}={value!r}' for key, value in values.items())})": make(**values)}
+
+
+def _small(plate: MovingPlate, terms: tuple[int, int] | None) -> MovingPlate:
+    if terms is None:
+        if plate.axial_terms * plate.lateral_terms <= MOST_COORDINATES:
+            return plate
+        terms = SMALL_TERMS
+    return dataclasses.replace(plate, axial_terms=terms[0], lateral_terms=terms[1])
+
+
+if __name__ == "__main__":
+    sys.exit(main())
