@@ -20,8 +20,8 @@ COALESCENCE = 1e-7
 # Bisections that take the spacing of the samples down to rounding.
 BISECTIONS = 48
 
-# A growing solution belongs to the pair if both its states take part at least half as much as the strongest state.
-SHARE = 0.5
+# A growing solution belongs to the pair if no other state takes part more than its two, up to so much for ties.
+TIE = 0.99
 
 
 class Levels(NamedTuple):
@@ -81,12 +81,12 @@ def _levels(block: EffectiveBlock, x: FloatArray, eps: float) -> Levels:
     values, vectors = np.linalg.eig(block.matrix(x, np.full_like(x, eps)))
     share = np.abs(vectors)  # [..., state, level]
     fastest = np.argmax(values.real, axis=-1)
-    of_fastest = np.take_along_axis(share, fastest[:, None, None], axis=-1)[..., 0]
+    of_fastest = np.take_along_axis(share, fastest[:, None, None], axis=-1)[..., 0]  # [..., state]
     level = np.argmax(share[:, :2], axis=-1)  # the level each state of the pair is strongest in
     height = np.take_along_axis(values.imag, level, axis=-1)
     return Levels(
         growth=values.real.max(axis=-1),
-        shared=of_fastest[:, :2].min(axis=-1) >= SHARE * of_fastest.max(axis=-1),
+        shared=of_fastest[:, :2].min(axis=-1) >= TIE * of_fastest[:, 2:].max(axis=-1),
         above=height[:, 0] > height[:, 1],
     )
 

@@ -1,4 +1,4 @@
-"""Second-order perturbation theory of Floquet exponents in the modal basis: the effective matrix of a resonance.
+"""Perturbation theory of Floquet exponents in the modal basis: the effective matrix of a resonance.
 
 In the complex modal basis (nu = 1..n for Z_nu, n+1..2n for the conjugates, Z^H A Z = 1, omega of a conjugate negative)
 and with q = e^{lambda t} sum_h sum_nu a_nu^h Z_nu e^{i h Omega t}, the equations of motion are
@@ -12,7 +12,8 @@ two resonant states):
 
     H_ab = D_a delta_ab + V_ab + 1/2 sum_c V_ac V_cb [1 / (D_a - D_c) + 1 / (D_b - D_c)],   D = i (omega_nu - h Omega).
 
-The eigenvalues of H are the exponents lambda with an error of third order in eps and damping.
+The eigenvalues of H are the exponents lambda with an error of third order in eps and damping. Without the sum they are
+the first-order result, which for a pair of states alone is eqs. (25) and (27).
 """
 
 from __future__ import annotations
@@ -30,6 +31,9 @@ from perturb.modes import ComplexArray, GyroscopicModes
 # States whose frequencies in the resonance differ by less than this part of Omega belong together: the second-order sum
 # never divides by less, a tenth of the distance Omega between the harmonics of one mode.
 NEAR = 0.1
+
+# To first order only states of equal frequency belong together, that is equal to rounding of the modes.
+EQUAL = 1e-9
 
 # A block holds at most so many states. Chains of resonances (a string, all of whose frequencies are multiples of the
 # first) are longer; what is cut off lies several interactions away from the pair that names the region.
@@ -112,7 +116,11 @@ class EffectiveBlock:
 
 
 def effective_block(
-    couplings: ModalCouplings, pair: list[tuple[int, int]], centre: float, slope: ModalCouplings | None
+    couplings: ModalCouplings,
+    pair: list[tuple[int, int]],
+    centre: float,
+    order: int,
+    slope: ModalCouplings | None = None,
 ) -> EffectiveBlock:
     """Return the effective matrix of the resonance of ``pair``.
 
@@ -123,47 +131,52 @@ def effective_block(
     pair : list of two (nu, h)
         States with equal omega_nu - h centre.
     centre : float
-    slope : ModalCouplings or None
-        Derivative of the couplings with respect to Omega; None where there is none.
+    order : {1, 2}
+        First order keeps the interactions of the resonant states among themselves only.
+    slope : ModalCouplings, optional
+        Derivative of the couplings with respect to Omega.
     """
-    states = resonant_states(couplings, pair, centre)
+    states = resonant_states(couplings, pair, centre, order)
     nu, h = np.array(states).T
     d = couplings.omega[nu] - h * centre
-    J = couplings.harmonics
     powers, sizes = np.zeros((3, len(nu), len(nu)), dtype=complex), np.zeros((3, len(nu), len(nu)))
     direct = _interaction(couplings, nu, h, nu, h)
-    _add(powers, sizes, (h[:, None] != h).astype(int), direct)
-    for other in range(min(h) - J, max(h) + J + 1):  # all states (c, other) with c outside the block
-        modes, harmonic = np.arange(len(couplings.omega)), np.full(len(couplings.omega), other)
-        there = _interaction(couplings, nu, h, modes, harmonic)
-        back = _interaction(couplings, modes, harmonic, nu, h)
-        gap = d[:, None] - (couplings.omega - other * centre)
+    _add(powers, sizes, (h[:, None] != h).astype(int), direct, np.eye(len(nu), dtype=complex))
+    J = couplings.harmonics
+    outside = range(min(h) - J, max(h) + J + 1) if order == 2 else ()
+    for k in outside:  # all states c = (mu, k)
+        mu, harmonic = np.arange(len(couplings.omega)), np.full(len(couplings.omega), k)
+        V_ac, V_cb = _interaction(couplings, nu, h, mu, harmonic), _interaction(couplings, mu, harmonic, nu, h)
+        gap = d[:, None] - (couplings.omega - k * centre)
         far = np.abs(gap) >= NEAR * centre
-        far[:, nu[h == other]] = False
-        weight = np.divide(-0.5j, gap, out=np.zeros(gap.shape, dtype=complex), where=far)
-        step = (h != other).astype(int)
-        _add(powers, sizes, step[:, None] + step, there * weight, back)
-        _add(powers, sizes, step[:, None] + step, there, back * weight.T)
+        far[:, nu[h == k]] = False  # states of the block
+        weight = np.divide(-0.5j, gap, out=np.zeros(gap.shape, dtype=complex), where=far)  # 1/2 / (D_a - D_c)
+        power = (h != k).astype(int)
+        _add(powers, sizes, power[:, None] + power, V_ac * weight, V_cb)
+        _add(powers, sizes, power[:, None] + power, V_ac, V_cb * weight.T)
     drift = np.zeros_like(powers[0]) if slope is None else _interaction(slope, nu, h, nu, h) * (h[:, None] != h)
     return EffectiveBlock(np.array(states), d - d[0], powers, sizes, drift, couplings.conservative)
 
 
-def resonant_states(couplings: ModalCouplings, pair: list[tuple[int, int]], centre: float) -> list[tuple[int, int]]:
-    """Return ``pair`` and the states that are near-resonant with it and coupled to it, nearest interactions first.
+def resonant_states(
+    couplings: ModalCouplings, pair: list[tuple[int, int]], centre: float, order: int
+) -> list[tuple[int, int]]:
+    """Return ``pair`` and the states that are in resonance with it and coupled to it, nearest interactions first.
 
-    A state joins if its frequency is within `NEAR` of that of a member it interacts with; if only two interactions
-    together link it to a member, an effect of higher order, if it is within the square of that.
+    To first order a state joins if its frequency is that of a member it interacts with. To second order it joins if its
+    frequency is within `NEAR` of that, or, where only two interactions together link it to a member, within the square
+    of `NEAR`.
     """
+    near, near_linked = (EQUAL, 0.0) if order == 1 else (NEAR, NEAR**2)
     states = list(pair)
     J = couplings.harmonics
     for nu, h in states:  # grows while it is read
-        for other in range(h - 2 * J, h + 2 * J + 1):
-            gap = np.abs(couplings.omega - other * centre - (couplings.omega[nu] - h * centre)) / centre
-            for mode in np.flatnonzero(gap < NEAR).tolist():
-                if (mode, other) in states:
-                    continue
-                if _linked(couplings, (nu, h), (mode, other), twice=bool(gap[mode] < NEAR**2)):
-                    states.append((mode, other))
+        for k in range(h - 2 * J, h + 2 * J + 1):
+            gap = np.abs(couplings.omega - k * centre - (couplings.omega[nu] - h * centre)) / centre
+            for mu in np.flatnonzero(gap < near).tolist():
+                linked = _linked(couplings, (nu, h), (mu, k), twice=bool(gap[mu] < near_linked))
+                if linked and (mu, k) not in states:
+                    states.append((mu, k))
                 if len(states) == LARGEST_BLOCK:
                     return states
     return states
@@ -197,15 +210,9 @@ def _linked(couplings: ModalCouplings, a: tuple[int, int], b: tuple[int, int], t
 
 
 def _add(
-    powers: ComplexArray,
-    sizes: FloatArray,
-    power: NDArray[np.intp],
-    left: ComplexArray,
-    right: ComplexArray | None = None,
+    powers: ComplexArray, sizes: FloatArray, power: NDArray[np.intp], left: ComplexArray, right: ComplexArray
 ) -> None:
-    """Add ``left`` (times ``right``) to the coefficients of eps^power, element by element, and its moduli to sizes."""
-    term = left if right is None else left @ right
-    size = np.abs(left) if right is None else np.abs(left) @ np.abs(right)
+    """Add left @ right to the coefficients of eps^power, element by element, and its terms' moduli to sizes."""
     for k in range(3):
-        powers[k] += np.where(power == k, term, 0)
-        sizes[k] += np.where(power == k, size, 0)
+        powers[k] += np.where(power == k, left @ right, 0)
+        sizes[k] += np.where(power == k, np.abs(left) @ np.abs(right), 0)

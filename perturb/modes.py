@@ -50,6 +50,12 @@ class GyroscopicModes:
             array.setflags(write=False)
 
     @property
+    def repeated(self) -> NDArray[np.bool_]:
+        """Modes that share their frequency with another one, shape (n,)."""
+        equal = np.diff(self.frequencies) <= REPEATED * self.frequencies[-1]
+        return np.concatenate([[False], equal]) | np.concatenate([equal, [False]])
+
+    @property
     def states(self) -> ComplexArray:
         """Eigenvectors Z_n of eq. (14) at s = + i omega_n in the state q = (W', W), shape (2n, n)."""
         return np.concatenate([1j * self.frequencies * self.vectors, self.vectors])

@@ -1,6 +1,7 @@
-"""Resonances to second order in eps: frequency shift, curvature, and the regions of j = j1 + j2.
+"""Resonances by their effective matrix: second order in eps, and first order where frequencies are repeated.
 
-The theory is in `perturb.expansion`: edges and growth rates have errors of third order in eps and damping.
+Second order adds frequency shift, curvature and the regions of j = j1 + j2; edges and growth rates have errors of third
+order in eps and damping. The theory is in `perturb.expansion`.
 """
 
 from __future__ import annotations
@@ -13,8 +14,8 @@ import numpy as np
 from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import FloatArray
 from perturb.block import block_interval
+from perturb.curve import Resonance
 from perturb.expansion import EffectiveBlock, ModalCouplings, effective_block, modal_couplings
-from perturb.first_order import FirstOrder
 from perturb.modes import ComplexArray, GyroscopicModes
 from perturb.pair import pair_edges, pair_growth
 
@@ -30,6 +31,9 @@ CANCELLED = 1e-10
 TIP_OCTAVES = 6
 TIP_BISECTIONS = 33
 
+# So many times its tip a damped region is as wide as its asymptotes, to half the square of the inverse.
+LARGE = 1e4
+
 # Where the excitation depends on Omega, every repetition of the solution for an edge gains one order in eps.
 REPETITIONS = 3
 
@@ -42,17 +46,19 @@ class Expansion:
         self.modes = modes
         self._latest: tuple[PeriodicSystem, ModalCouplings] | None = None
 
-    def block(self, p: int, q: int, j: int, kind: str, centre: float) -> EffectiveBlock:
+    def block(self, p: int, q: int, j: int, kind: str, centre: float, order: int) -> EffectiveBlock:
         """Return the effective matrix of j Omega = omega_p ± omega_q (p, q from 0)."""
-        n = len(self.modes.frequencies)
-        partner = q + n if kind == "sum" else q
+        pair = [(p, 0), (q + len(self.modes.frequencies) if kind == "sum" else q, -j)]
+        couplings = self._couplings(self.family.at(centre))
+        if order == 1:
+            return effective_block(couplings, pair, centre, order)
         step = DERIVATIVE_STEP * centre
         around = [self.family.at(centre + side * step) for side in (-1, 1)]
         slope = None
-        if any((a != b).any() for a, b in zip(_excitation(around[0]), _excitation(around[1]), strict=True)):
+        if not same_excitation(*around):
             below, above = (modal_couplings(self.modes, system) for system in around)
             slope = ModalCouplings(above.omega, (above.E - below.E) / (2 * step), above.conservative)
-        return effective_block(self._couplings(self.family.at(centre)), [(p, 0), (partner, -j)], centre, slope)
+        return effective_block(couplings, pair, centre, order, slope)
 
     def _couplings(self, system: PeriodicSystem) -> ModalCouplings:
         if self._latest is None or self._latest[0] is not system:
@@ -60,13 +66,14 @@ class Expansion:
         return self._latest[1]
 
 
-def _excitation(system: PeriodicSystem) -> tuple[FloatArray, FloatArray]:
-    return system.cosine, system.sine
+def same_excitation(a: PeriodicSystem, b: PeriodicSystem) -> bool:
+    """Whether two members of a family have equal excitation matrices."""
+    return a is b or (np.array_equal(a.cosine, b.cosine) and np.array_equal(a.sine, b.sine))
 
 
 @dataclass(frozen=True, eq=False)
-class SecondOrder:
-    """A resonant pair, or the block of near-resonant states it belongs to, to second order (`perturb.curve.Resonance`).
+class CoupledStates:
+    """A resonant pair with the block of near-resonant states it belongs to (`perturb.curve.Resonance`).
 
     Attributes
     ----------
@@ -75,8 +82,9 @@ class SecondOrder:
         p and q from 0.
     kind : {"sum", "difference"}
     centre : float
-    first : FirstOrder
-        The same pair to first order.
+    order : {1, 2}
+    first : Resonance
+        What is to be improved upon: for order 2 the first-order result, for order 1 the pair on its own.
     """
 
     expansion: Expansion
@@ -85,19 +93,24 @@ class SecondOrder:
     j: int
     kind: str
     centre: float
-    first: FirstOrder
+    order: int
+    first: Resonance
 
     @cached_property
     def block(self) -> EffectiveBlock:
-        return self.expansion.block(self.p, self.q, self.j, self.kind, self.centre)
+        return self.expansion.block(self.p, self.q, self.j, self.kind, self.centre, self.order)
 
     @property
     def slope(self) -> float:
-        return self.first.slope
+        if self.order == 2 or len(self.block.states) == 2 or np.isinf(self.tip):
+            return self.first.slope
+        eps = np.array(LARGE * self.tip if self.tip > 0 else 1.0)
+        low, high = self.edges(eps)
+        return float((high - low) / (2 * eps))
 
     @cached_property
     def tip(self) -> float:
-        block, (C_p, C_q) = self.block, (self.first.C_p, self.first.C_q)
+        block, (C_p, C_q) = self.block, self.expansion.modes.decay[[self.p, self.q]]
         once, twice = (float(np.abs(block.powers[k]).max()) for k in (1, 2))
         if once == twice == 0:
             return np.inf

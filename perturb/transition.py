@@ -15,7 +15,7 @@ from perturb.coupling import amplitude, products
 from perturb.curve import Resonance, TransitionCurve
 from perturb.first_order import FirstOrder
 from perturb.modes import REPEATED, ComplexArray, GyroscopicModes, gyroscopic_modes
-from perturb.second_order import Expansion, SecondOrder
+from perturb.second_order import CoupledStates, Expansion, same_excitation
 
 KINDS = ("sum", "difference")
 
@@ -103,12 +103,15 @@ def transition_curves(
         multiples |= {a + b for a in direct for b in direct}
     found = find_resonances(modes, sorted(multiples), (low, high), kinds)
     L = _products_at_centres(family, modes, found)
-    expansion = Expansion(family, modes)
+    expansion, repeated = Expansion(family, modes), modes.repeated.tolist()
     curves = []
     for (p, q, j, kind, centre), value in zip(found.rows(), L, strict=True):
         vanishing = None if proportion is None else (proportion[p], proportion[q])
-        first = FirstOrder(kind, value, modes.decay[p], modes.decay[q], vanishing)
-        resonance: Resonance = first if order == 1 else SecondOrder(expansion, p, q, j, kind, centre, first)
+        resonance: Resonance = FirstOrder(kind, value, modes.decay[p], modes.decay[q], vanishing)
+        if (repeated[p] or repeated[q]) and vanishing is None:
+            resonance = CoupledStates(expansion, p, q, j, kind, centre, 1, resonance)
+        if order == 2:
+            resonance = CoupledStates(expansion, p, q, j, kind, centre, 2, resonance)
         interaction = 1 if order == 1 or j in direct else 2
         curves.append(TransitionCurve(p + 1, q + 1, j, kind, order, interaction, centre, resonance))
     return curves
@@ -135,19 +138,27 @@ def find_resonances(
 
 def _products_at_centres(family: SystemFamily, modes: GyroscopicModes, found: Resonances) -> ComplexArray:
     """Return L of every resonance, from the excitation at its centre; 0 where the excitation has no such harmonic."""
-    members: dict[int, tuple[PeriodicSystem, list[int]]] = {}  # one object for all centres where none depends on Omega
-    for k, centre in enumerate(found.centre.tolist()):
-        system = _system_at(family, centre)
-        members.setdefault(id(system), (system, []))[1].append(k)
     L = np.zeros(len(found.p), dtype=complex)
-    for system, indices in members.values():
-        at = np.array(indices)
+    for run, system in _shared_systems(family, found.centre):
         for j in range(1, system.harmonics + 1):
             for kind in KINDS:
-                chosen = at[(found.j[at] == j) & (found.kind[at] == kind)]
+                chosen = run[(found.j[run] == j) & (found.kind[run] == kind)]
                 if len(chosen):
                     L[chosen] = products(modes, amplitude(system, j), kind)[found.p[chosen], found.q[chosen]]
     return L
+
+
+def _shared_systems(family: SystemFamily, centres: FloatArray) -> Iterator[tuple[NDArray[np.intp], PeriodicSystem]]:
+    """Return runs of neighbouring centres (their indices) at which the excitation is the same, each with its system."""
+    start, shared = 0, None
+    for k, centre in enumerate(centres.tolist()):
+        system = _system_at(family, centre)
+        if shared is not None and not same_excitation(system, shared):
+            yield np.arange(start, k), shared
+            start, shared = k, system
+        shared = shared or system
+    if shared is not None:
+        yield np.arange(start, len(centres)), shared
 
 
 def _checked_kinds(kinds: Any) -> tuple[str, ...]:
