@@ -32,6 +32,8 @@ LEAST_PART = 0.5
 STATION = 0.25
 # Most points on the way to the middle of a region, and to bracket an edge. A parabola needs about 6 and 3.
 MOST_TRIALS = 40
+# Part of the fall of f from inside to outside that is a jump, not a zero.
+LARGEST_JUMP = 1e-3
 # An edge is looked for between these multiples of the frequency of resonance.
 LOWEST, HIGHEST = 0.2, 5.0
 
@@ -178,15 +180,13 @@ class _Route:
             top = self._top(eps, station, exact=False)
             if top.value <= 0:
                 return Kind.STABLE, closed
-            lower, upper = (self._edge(eps, station, top, side) for side in (-1, 1))
-            if upper - lower < 10 * RESOLUTION * top.Omega:
-                return Kind.STABLE, closed
-            depth = 0.05 * (np.nanmin([upper, 2 * top.Omega]) - np.nanmax([lower, top.Omega / 2]))
-            lower_error = self._error(eps, station, lower, depth)
-            upper_error = self._error(eps, station, upper, -depth)
-            return _kind(self._lock()), (lower, upper, lower_error, upper_error)
         except LostError:
             return Kind.UNDECIDED, closed
+        lower, upper = (self._edge(eps, top, side) for side in (-1, 1))
+        if upper - lower < 10 * RESOLUTION * top.Omega:
+            return Kind.STABLE, closed
+        lower_error, upper_error = self._error(eps, top, lower, upper), self._error(eps, top, upper, lower)
+        return _kind(self._lock()), (lower, upper, lower_error, upper_error)
 
     def _advance(self, eps: float) -> None:
         """Add the stations below ``eps``. They lie on a fixed ladder: no result depends on what else was asked for."""
@@ -196,7 +196,7 @@ class _Route:
             top = self._top(following, last, exact=True)
             self.stations.append(_Station(following, top.Omega, top.vectors))
 
-    def _point(self, Omega: float, eps: float, station: _Station, checked: bool = False) -> Point:
+    def _point(self, Omega: float, eps: float, reference: ComplexArray, checked: bool = False) -> Point:
         block, rows = self._block(Omega, eps)
         error = np.nan
         if checked:
@@ -205,7 +205,7 @@ class _Route:
         else:
             Phi = propagate(block, Omega, eps, steps_of_period(block, Omega), TOLERANCE, np.eye(len(rows)))
         mu, left, right = sla.eig(Phi, left=True, right=True)  # type: ignore[misc]  # the stubs know two results only
-        span, _ = np.linalg.qr(block.from_q @ station.vectors[rows])
+        span, _ = np.linalg.qr(block.from_q @ reference[rows])
         part = np.linalg.norm(span.conj().T @ right, axis=0)
         pair = np.argsort(part)[-2:]
         if part[pair[0]] < LEAST_PART:
@@ -213,7 +213,7 @@ class _Route:
         condition = 1 / np.abs(np.einsum("ij,ij->j", left[:, pair].conj(), right[:, pair]))
         relative = float(np.sum(condition / np.abs(mu[pair])) * error)
         value, error = _test(mu[pair], self._lock(), block.reciprocal, relative)
-        vectors = np.zeros_like(station.vectors)
+        vectors = np.zeros_like(reference)
         vectors[rows] = block.to_q @ right[:, pair]
         return Point(Omega, value, error, mu[pair], vectors)
 
@@ -241,10 +241,10 @@ class _Route:
         start = self._predict(eps)
         relative = min(eps * STATION / self.spacing, 1.0)
         step = start * min(max(0.1 * relative**2, 1e-5), 0.02)
-        points = [self._point(start, eps, station)]
+        points = [self._point(start, eps, station.vectors)]
         if points[0].value > 0 and not exact:
             return points[0]
-        points += [self._point(start + sign * step, eps, station) for sign in (-1, 1)]
+        points += [self._point(start + sign * step, eps, station.vectors) for sign in (-1, 1)]
         previous = np.inf
         for _ in range(MOST_TRIALS):
             points.sort(key=lambda point: -point.value)
@@ -262,7 +262,7 @@ class _Route:
             if curvature < 0 and height < 0 and abs(height - previous) < 0.01 * abs(height):
                 break  # certainly closed
             previous = height
-            points.append(self._point(x, eps, station))
+            points.append(self._point(x, eps, station.vectors))
         return points[0]
 
     def _predict(self, eps: float) -> float:
@@ -278,27 +278,46 @@ class _Route:
         """Return d sqrt(-f) / d Omega far from the region: half of how fast the two multipliers turn apart."""
         return np.pi * self.resonance.j / Omega
 
-    def _edge(self, eps: float, station: _Station, inside: Point, side: int) -> float:
-        """Return the edge below (``side`` -1) or above (+1) a point inside; NaN if there is none."""
+    def _edge(self, eps: float, inside: Point, side: int) -> float:
+        """Return the edge below (``side`` -1) or above (+1) a point inside; NaN if there is none or the pair is lost.
+
+        Outwards from one point to the next, each time with the pair at the last point as reference, until f < 0.
+        """
         a = inside
-        step = max(1.2 * np.sqrt(a.value) / self._scale(a.Omega), 10 * RESOLUTION * a.Omega)
-        for _ in range(MOST_TRIALS):
-            step = min(step, a.Omega / (8 * self.resonance.j))
-            b = self._point(a.Omega + side * step, eps, station)
-            if b.value <= 0:
-                break
-            a, step = b, 1.6 * step
-            if not LOWEST < a.Omega / self.resonance.centre < HIGHEST:
-                return np.nan
-        else:
-            return np.nan
+        step = 1.2 * np.sqrt(a.value) / self._scale(a.Omega)
+        try:
+            for _ in range(MOST_TRIALS):
+                step = min(max(step, 10 * RESOLUTION * a.Omega), a.Omega / (8 * self.resonance.j))
+                b = self._point(a.Omega + side * step, eps, a.vectors)
+                if b.value <= 0:
+                    return self._zero(eps, a, b)
+                # where f falls, not much further than to the zero of the secant: beyond may be another region
+                fall = (a.value - b.value) / step
+                step = min(1.6 * step, 1.2 * b.value / fall) if fall > 0 else 1.6 * step
+                a = b
+                if not LOWEST < a.Omega / self.resonance.centre < HIGHEST:
+                    break
+        except LostError:
+            pass
+        return np.nan
+
+    def _zero(self, eps: float, inside: Point, outside: Point) -> float:
+        """Return the zero of f between two points."""
+        smallest = np.inf
 
         def value(Omega: float) -> float:
-            return self._point(Omega, eps, station).value
+            nonlocal smallest
+            f = self._point(Omega, eps, inside.vectors).value
+            smallest = min(smallest, abs(f))
+            return f
 
-        return float(brentq(value, a.Omega, b.Omega, xtol=RESOLUTION * a.Omega))
+        zero = float(brentq(value, inside.Omega, outside.Omega, xtol=RESOLUTION * inside.Omega))
+        resolved = 10 * RESOLUTION * zero / abs(outside.Omega - inside.Omega)
+        if smallest > (LARGEST_JUMP + resolved) * (inside.value - outside.value):
+            raise LostError  # f changes sign by a jump from one pair to another
+        return zero
 
-    def _error(self, eps: float, station: _Station, edge: float, shift: float) -> float:
+    def _error(self, eps: float, top: Point, edge: float, opposite: float) -> float:
         """Return the error of an edge: that of the test function over its slope.
 
         Both are taken a little inside the region. At the edge itself the two multipliers coalesce, and their condition
@@ -306,7 +325,11 @@ class _Route:
         """
         if np.isnan(edge):
             return np.nan
-        inside = self._point(edge + shift, eps, station, checked=True)
+        shift = 0.05 * ((top.Omega if np.isnan(opposite) else opposite) - edge)
+        try:
+            inside = self._point(edge + shift, eps, top.vectors, checked=True)
+        except LostError:
+            return np.inf
         return inside.error / abs(inside.value / shift) + RESOLUTION * edge
 
 

@@ -28,12 +28,12 @@ SLOWEST = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Resonance:
-    """j Omega = omega_p + omega_q ("sum") or omega_q - omega_p ("difference") of a system at eps = 0.
+    """j Omega = omega_p + omega_q ("sum") or omega_p - omega_q ("difference") of a system at eps = 0.
 
     Attributes
     ----------
     p, q : int
-        Numbers of the modes by increasing frequency, from 1; p <= q.
+        Numbers of the modes by increasing frequency, from 1; p >= q.
     j : int
         Order.
     kind : str
@@ -41,7 +41,7 @@ class Resonance:
     centre : float
         The frequency Omega of resonance.
     vectors : ndarray of complex, shape (2n, 2)
-        The two solutions that resonate, at t = 0 in q = (W', W): those of e^{i omega_q t} and of e^{∓ i omega_p t}.
+        The two solutions that resonate, at t = 0 in (W', W): those of e^{i omega_p t} and of e^{∓ i omega_q t}.
     """
 
     p: int
@@ -62,10 +62,10 @@ def nearest_resonance(system: PeriodicSystem, near: float) -> Resonance:
     """
     frequencies, vectors = _oscillations(system, near)
     numbers = range(len(frequencies))
-    pairs = [("sum", p, q) for p, q in combinations_with_replacement(numbers, 2)]
-    pairs += [("difference", p, q) for p, q in combinations(numbers, 2)]
+    pairs = [("sum", p, q) for q, p in combinations_with_replacement(numbers, 2)]
+    pairs += [("difference", p, q) for q, p in combinations(numbers, 2)]
     sign = {"sum": 1.0, "difference": -1.0}
-    total = np.array([frequencies[q] + sign[kind] * frequencies[p] for kind, p, q in pairs])
+    total = np.array([frequencies[p] + sign[kind] * frequencies[q] for kind, p, q in pairs])
     orders = np.arange(1, HIGHEST_ORDER + 1)
     distance = np.abs(total[:, None] / orders / near - 1)
     if not (distance <= FARTHEST).any():
@@ -78,8 +78,8 @@ def nearest_resonance(system: PeriodicSystem, near: float) -> Resonance:
     score = np.where(distance <= FARTHEST, (distance + AGREEMENT) * handicap, np.inf)
     row, column = np.unravel_index(int(score.argmin()), score.shape)
     (kind, p, q), j = pairs[row], int(orders[column])
-    partner = vectors[:, p].conj() if kind == "sum" else vectors[:, p]
-    return Resonance(p + 1, q + 1, j, kind, float(total[row] / j), np.column_stack([vectors[:, q], partner]))
+    partner = vectors[:, q].conj() if kind == "sum" else vectors[:, q]
+    return Resonance(p + 1, q + 1, j, kind, float(total[row] / j), np.column_stack([vectors[:, p], partner]))
 
 
 def _oscillations(system: PeriodicSystem, near: float) -> tuple[NDArray[np.float64], NDArray[np.complex128]]:
