@@ -19,7 +19,7 @@ from tqdm import tqdm
 
 from floquet import BoundaryTrace, trace_boundary
 from periodic import PeriodicSystem, SystemFamily
-from periodic.checks import FloatArray, grid, interval, one_of, whole_number
+from periodic.checks import FloatArray, grid, interval, one_of, whole_number, workers
 from perturb import TransitionCurve, transition_curves
 
 # Rungs double, so that two neighbours give a local order; the smallest keeps the gap of a second-order edge far above
@@ -90,7 +90,7 @@ def agreement(
     order: Literal[1, 2] = 1,
     kinds: tuple[str, ...] = ("sum", "difference"),
     modes: int | None = None,
-    n_jobs: int = 1,
+    n_jobs: int | None = -1,
     progress: bool = False,
 ) -> list[RegionAgreement]:
     """Judge every region that opens in a frequency window, theory against Floquet integration.
@@ -110,8 +110,8 @@ def agreement(
         no instability there.
     modes : int, optional
         Judge only resonances among the lowest ``modes`` modes; all if left out.
-    n_jobs : int
-        Regions traced at once (threads), as in joblib.
+    n_jobs : int or None
+        Regions traced at once (threads), as in joblib; -1 for all cores.
     progress : bool
         Show a progress bar.
 
@@ -130,6 +130,7 @@ def agreement(
     if ladder.size < 3:
         raise ValueError(f"eps has {ladder.size} values; give at least three, so that an order can be fitted")
     one_of("order", order, (1, 2))
+    n_jobs = workers("n_jobs", n_jobs)
     if modes is not None:
         whole_number("modes", modes, least=1)
 

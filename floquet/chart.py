@@ -17,7 +17,7 @@ from tqdm import tqdm
 from floquet.direct import direct_multipliers
 from floquet.verdict import Cells, dominant, judge
 from periodic import PeriodicSystem, SystemFamily
-from periodic.checks import FloatArray, grid, one_of, whole_number
+from periodic.checks import FloatArray, grid, one_of, workers
 
 ARRAYS = ("Omega", "eps", "growth_rate", "multiplier", "kind", "error")
 COLUMNS_PER_TASK = (
@@ -149,10 +149,7 @@ def stability_chart(
     if not callable(getattr(family, "at", None)):
         raise ValueError(f"family = {family!r} has no method at(Omega); give a PeriodicSystem or a family of them")
     Omega, eps = grid("Omega", Omega, positive=True), grid("eps", eps)
-    if n_jobs is not None:
-        n_jobs = whole_number("n_jobs", n_jobs, least=-1)
-        if n_jobs == 0:
-            raise ValueError("n_jobs = 0 is out of range; give a number of workers, -1 for all cores or None")
+    n_jobs = workers("n_jobs", n_jobs)
     progress = one_of("progress", progress, (True, False, None))
 
     starts = range(0, Omega.size, COLUMNS_PER_TASK)

@@ -48,6 +48,22 @@ def whole_number(name: str, value: Any, *, least: int, most: int | None = None) 
     return int(value)
 
 
+def workers(name: str, value: Any) -> int | None:
+    """Return a number of joblib workers: 1, 2, ..., -1 for all cores, or None for what ``parallel_config`` says.
+
+    Raises
+    ------
+    ValueError
+        If ``value`` is none of these.
+    """
+    if value is None:
+        return None
+    number = whole_number(name, value, least=-1)
+    if number == 0:
+        raise ValueError(f"{name} = 0 is out of range; give 1, 2, ..., -1 for all cores, or None")
+    return number
+
+
 def one_of(name: str, value: Any, choices: tuple[Any, ...]) -> Any:
     """Return ``value`` if it is one of ``choices``.
 

@@ -9,7 +9,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from periodic.checks import grid, interval, is_positive_definite, one_of, real_array, real_number, whole_number
+from periodic.checks import (
+    grid,
+    interval,
+    is_positive_definite,
+    one_of,
+    real_array,
+    real_number,
+    whole_number,
+    workers,
+)
 
 NOT_A_NUMBER: list[Any] = [
     None,
@@ -137,3 +146,10 @@ def test_positive_definite_beyond_rounding() -> None:
     assert not is_positive_definite(np.diag([1.0, 0.0]))
     assert not is_positive_definite(np.ones((3, 3)))  # a zero eigenvalue that Cholesky may take for a tiny positive one
     assert is_positive_definite(np.ones((3, 3)) + 1e-12 * np.eye(3))
+
+
+def test_workers() -> None:
+    assert [workers("n_jobs", value) for value in (1, 7, -1, None)] == [1, 7, -1, None]
+    for value in (0, -2, 1.5, True, "2"):
+        with pytest.raises(ValueError, match=r"^n_jobs = "):
+            workers("n_jobs", value)

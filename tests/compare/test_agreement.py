@@ -1,0 +1,101 @@
+"""Theory against integration on quick cases: the CI check that analytic and Floquet boundaries agree."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from compare import agreement
+from compare.agreement import fitted_order
+from periodic import PeriodicSystem
+from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu
+from plate import EdgeLoad, MovingPlate
+
+SMALL = {"axial_terms": 2, "lateral_terms": 3}
+
+
+class _Stiffening:
+    """A family that breaks its contract: its stiffness grows with Omega, so that no theory of one set of modes holds."""
+
+    def __init__(self, system: PeriodicSystem) -> None:
+        self.system = system
+
+    def at(self, Omega: float) -> PeriodicSystem:
+        s = self.system
+        return PeriodicSystem(s.mass, s.gyroscopic, s.damping, s.stiffness * (1 + 1e-4 * Omega), s.cosine, s.sine)
+
+
+@pytest.mark.parametrize(
+    ("system", "window"),
+    [
+        (mathieu(delta=1.0), (1.5, 2.5)),
+        (mathieu(delta=1.0, damping=0.02), (1.5, 2.5)),
+        (coupled_mathieu(kind="sum"), (0.1, 8.0)),
+        (coupled_mathieu(kind="difference"), (0.1, 8.0)),
+        (gyroscopic_rotor(), (0.1, 8.0)),
+        (MovingPlate(**SMALL), (10.0, 80.0)),
+        (MovingPlate(**SMALL, aspect_ratio=2.0, speed=2.0, damping=1e-4), (5.0, 30.0)),
+        (MovingPlate(**SMALL, load=EdgeLoad.linear(0.5, 1.5)), (10.0, 80.0)),
+    ],
+    ids=["mathieu", "damped mathieu", "sum", "difference", "rotor", "plate", "long damped plate", "skewed load"],
+)
+def test_first_order_theory_and_integration_agree(system: PeriodicSystem | MovingPlate, window: tuple) -> None:
+    verdicts = agreement(system, window, modes=3)
+    assert verdicts
+    assert [verdict.label for verdict in verdicts if not verdict.agrees] == []
+
+
+def test_the_gap_of_first_order_theory_is_of_second_order() -> None:
+    # The main resonance of Mathieu's equation is off by q^2/8 on both sides, with nothing of a lower order.
+    (verdict,) = agreement(mathieu(delta=1.0), (1.5, 2.5))
+    assert verdict.label == "2ω₁"
+    np.testing.assert_allclose(verdict.order, 2, atol=0.1)
+    np.testing.assert_allclose(verdict.width_ratio[0], 1, atol=1e-3)
+
+
+def test_second_order_theory_leaves_a_gap_of_third_order() -> None:
+    verdicts = [v for v in agreement(MovingPlate(**SMALL), (10.0, 80.0), order=2, modes=3) if v.label == "2ω₁"]
+    assert verdicts[0].agrees
+    np.testing.assert_allclose(verdicts[0].order, 3, atol=0.15)
+
+
+def test_a_theory_that_is_wrong_is_found_out() -> None:
+    verdicts = agreement(_Stiffening(mathieu(delta=1.0)), (1.5, 2.5))
+    assert not all(verdict.agrees for verdict in verdicts)
+
+
+def test_a_verdict_can_be_written_as_json() -> None:
+    text = json.dumps([verdict.to_dict() for verdict in agreement(MovingPlate(**SMALL), (20.0, 30.0), modes=3)])
+    assert "NaN" not in text
+    closed = json.loads(text)[0]
+    assert closed["traced"][0] == [None] * 4
+    assert closed["agrees"] is True
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_fitted_order_is_that_of_the_leading_term(order: int) -> None:
+    eps = np.array([0.01, 0.02, 0.04, 0.08])
+    gap = 0.7 * eps**order * (1 + 2 * eps)
+    assert fitted_order(eps, gap) == pytest.approx(order, abs=5e-3)
+    assert np.isnan(fitted_order(eps, np.zeros(4)))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "wanted"),
+    [
+        ({"eps": [0.1, 0.2]}, "eps has 2 values"),
+        ({"eps": [0.0, 0.1, 0.2]}, "eps starts at"),
+        ({"eps": [0.1, 0.1, 0.2]}, "eps is not strictly increasing"),
+        ({"order": 3}, "order = 3"),
+        ({"modes": 0}, "modes = 0"),
+        ({"kinds": ("product",)}, "kinds"),
+        ({"Omega_range": (3.0, 1.0)}, "Omega_range"),
+        ({"Omega_range": 3.0}, "Omega_range"),
+        ({"n_jobs": 0}, "n_jobs = 0"),
+    ],
+)
+def test_bad_input_is_refused(arguments: dict, wanted: str) -> None:
+    with pytest.raises(ValueError, match=wanted):
+        agreement(mathieu(), **({"Omega_range": (1.0, 3.0)} | arguments))
