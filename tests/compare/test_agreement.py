@@ -17,7 +17,7 @@ SMALL = {"axial_terms": 2, "lateral_terms": 3}
 
 
 class _Stiffening:
-    """A family that breaks its contract: its stiffness grows with Omega, so that no theory of one set of modes holds."""
+    """A family that breaks its contract: its stiffness grows with Omega, so that no theory of one set of modes fits."""
 
     def __init__(self, system: PeriodicSystem) -> None:
         self.system = system
