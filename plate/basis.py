@@ -12,6 +12,8 @@ A matrix of integrals has the test function as its row and the trial function as
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from scipy.special import spherical_jn
 
@@ -73,7 +75,12 @@ def kronecker(axial: FloatArray, lateral: FloatArray) -> FloatArray:
     return (axial[:, None, :, None] * lateral[None, :, None, :]).reshape(rows, columns)
 
 
+@cache
+def _reference_rule(points: int) -> tuple[FloatArray, FloatArray]:
+    return np.polynomial.legendre.leggauss(points)
+
+
 def gauss_legendre(points: int, start: float, end: float) -> tuple[FloatArray, FloatArray]:
     """Return nodes and weights of Gauss's rule on [start, end]: exact to degree 2 points - 1."""
-    nodes, weights = np.polynomial.legendre.leggauss(points)
+    nodes, weights = _reference_rule(points)
     return start + (end - start) * (nodes + 1) / 2, (end - start) / 2 * weights

@@ -350,9 +350,11 @@ class MovingPlate:
             previous, square = square, float(1 / inverse[-1])
             if abs(square - previous) <= SPEED_TOLERANCE * square:
                 return math.sqrt(square)
+            if self.inplane == "dynamic" and square >= self._wave_speed**2:
+                break
         raise ValueError(
-            f"thickness_ratio = {self.thickness_ratio!r} is too large for tension = {self.tension!r}: transport at the "
-            "divergence speed changes the in-plane stress itself; give a thinner plate or less tension"
+            f"thickness_ratio = {self.thickness_ratio!r} is too large for tension = {self.tension!r}: in-plane waves "
+            f"are slower than the divergence speed {math.sqrt(square):.6g}; give a thinner plate or less tension"
         )
 
     def _buckled(self, F_c0: FloatArray) -> str:
@@ -422,5 +424,5 @@ def _read_only(array: NDArray[Any]) -> NDArray[Any]:
 def _places(name: str, value: ArrayLike | None, end: float) -> FloatArray:
     places = grid(name, np.linspace(0.0, end, GRID) if value is None else value)
     if places[0] < 0 or places[-1] > end * (1 + PLACE_ROUNDING):
-        raise ValueError(f"{name} runs from {places[0]!r} to {places[-1]!r}; keep within 0 to {end!r}")
+        raise ValueError(f"{name} runs from {places[0]:.6g} to {places[-1]:.6g}; keep within 0 to {end:.6g}")
     return places
