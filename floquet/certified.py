@@ -241,7 +241,8 @@ def _spectrum(Phi: arb_mat) -> _Spectrum | None:
         columns = acb_mat(nearby).eig(right=True, algorithm="approx")[1].transpose().tolist()
         # of equal length, lest one disc be small at the cost of another
         vectors = acb_mat([[x / sum(map(abs, column)) for x in column] for column in columns]).transpose().mid()
-        similar = (vectors.inv() * acb_mat(Phi) * vectors).tolist()
+        with ctx.extraprec(ctx.prec):  # at a boundary the vectors are parallel to half the digits
+            similar = (vectors.inv() * acb_mat(Phi) * vectors).tolist()
     except (ValueError, ZeroDivisionError):
         return None
     if not all(entry.is_finite() for row in similar for entry in row):

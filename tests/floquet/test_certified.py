@@ -1,0 +1,462 @@
+"""Certified growth rates against exact solutions, other integrators and each other."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from itertools import product
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.special import mathieu_a, mathieu_b
+
+from periodic import PeriodicSystem
+from periodic.checks import FloatArray
+from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu, meissner
+
+flint = pytest.importorskip("flint", reason="python-flint, the extra certify, is not installed")
+from flint import arb, arb_mat, ctx  # noqa: E402
+
+from floquet import certified, enclosure  # noqa: E402
+from floquet.certified import CertifiedGrowth, Verdict, certified_growth, certified_monodromy  # noqa: E402
+
+OMEGA = 0.75
+
+
+def whittaker_hill(kappa: float, spin: float = 0.0, decay: float = 0.0, phase: str = "cosine") -> PeriodicSystem:
+    """Two oscillators with a motion in closed form; exact in float64 if the parameters are short binary numbers.
+
+    u = exp(-kappa cos Omega t) solves u'' + (a + b cos Omega t + c cos 2 Omega t) u = 0, Whittaker and Hill's equation,
+    with a = -c = -kappa^2 Omega^2 / 2, b = -kappa Omega^2; and x + i y = u exp(-(decay + i spin) t) solves the system
+    returned, which has gyroscopic, damping and circulatory terms. "sine" has sin Omega t in the place of cos Omega t.
+    """
+    k2 = (kappa * OMEGA) ** 2 / 2
+    swap = np.array([[0.0, -1.0], [1.0, 0.0]])
+    one = np.eye(2)
+    zero = np.zeros((2, 2))
+    first = -kappa * OMEGA**2 * one
+    cosine, sine = ([first, k2 * one], None) if phase == "cosine" else ([zero, -k2 * one], [first, zero])
+    return PeriodicSystem(
+        mass=one,
+        gyroscopic=2 * spin * swap,
+        damping=2 * decay * one,
+        stiffness=(decay**2 - spin**2 - k2) * one + 2 * decay * spin * swap,
+        cosine=cosine,
+        sine=sine,
+    )
+
+
+def exact_whittaker_hill(kappa: float, spin: float, decay: float, phase: str) -> arb_mat:
+    """Monodromy matrix of `whittaker_hill` in (x', y', x, y), at the working precision.
+
+    With v(t) = u(t) int_0^t ds / u(s)^2, the second solution, int_0^T ds / u^2 = T I_0(2 kappa).
+    """
+    T = 2 * arb.pi() / arb(OMEGA)
+    integral = T * (2 * arb(kappa)).bessel_i(0)
+    if phase == "cosine":  # u(0) = e^-kappa, u'(0) = 0
+        fixed = [[1, 0], [(-2 * arb(kappa)).exp() * integral, 1]]  # of (u', u)
+    else:  # u(0) = 1, u'(0) = -kappa Omega
+        slope = arb(kappa) * arb(OMEGA)
+        fixed = [[1 - slope * integral, -slope * slope * integral], [integral, 1 + slope * integral]]
+    c, s = (arb(spin) * T).cos(), (arb(spin) * T).sin()
+    turn = [[c, s], [-s, c]]  # multiplication by exp(-i spin T)
+    Phi = arb_mat(
+        [[fixed[i][j] * turn[k][m] for j, m in product(range(2), repeat=2)] for i, k in product(range(2), repeat=2)]
+    )
+    # (x + i y)' = (u' - (decay + i spin) u) exp(...)
+    d, s = arb(decay), arb(spin)
+    to_moving = arb_mat([[1, 0, -d, s], [0, 1, -s, -d], [0, 0, 1, 0], [0, 0, 0, 1]])
+    return to_moving * Phi * to_moving.inv() * (-d * T).exp()
+
+
+def random_system(seed: int, n: int, *, conservative: bool = False, harmonics: int = 2) -> PeriodicSystem:
+    rng = np.random.default_rng(seed)
+
+    def symmetric(shift: float = 0.0) -> FloatArray:
+        a = rng.normal(size=(n, n))
+        return a + a.T + shift * np.eye(n)
+
+    a, g = rng.normal(size=(2, n, n))
+    b = rng.normal(size=(n, n))
+    F = [symmetric() if conservative else rng.normal(size=(n, n)) for _ in range(2 * harmonics)]
+    return PeriodicSystem(
+        mass=a @ a.T + n * np.eye(n),
+        gyroscopic=0.5 * (g - g.T),
+        damping=np.zeros((n, n)) if conservative else 0.05 * symmetric(),
+        stiffness=(b @ b.T + n * np.eye(n)) if conservative else symmetric(3.0 * n),
+        cosine=F[:harmonics],
+        sine=F[harmonics:],
+    )
+
+
+def contains(ball: arb_mat, exact: arb_mat) -> bool:
+    return all(x.contains(y) for x, y in zip(ball.entries(), exact.entries(), strict=True))
+
+
+def largest_radius(matrix: arb_mat) -> float:
+    return max(float(entry.rad()) for entry in matrix.entries())
+
+
+def middle(matrix: arb_mat) -> FloatArray:
+    return np.array([[float(x) for x in row] for row in matrix.tolist()])
+
+
+# The monodromy matrix
+
+
+@pytest.mark.parametrize("phase", ["cosine", "sine"])
+@pytest.mark.parametrize(
+    ("kappa", "spin", "decay"), [(0.5, 0.0, 0.0), (0.5, 0.25, 0.0), (-1.25, 0.0, 0.125), (2.0, 3.5, -0.0625)]
+)
+@pytest.mark.parametrize("bits", [64, 128, 400])
+def test_monodromy_contains_exact_solution(kappa: float, spin: float, decay: float, phase: str, bits: int) -> None:
+    system = whittaker_hill(kappa, spin, decay, phase)
+    found = certified_monodromy(system, OMEGA, 1.0, bits=bits)
+    with ctx.workprec(bits + 200):
+        exact = exact_whittaker_hill(kappa, spin, decay, phase)
+        assert contains(found, exact)
+    # e^4 in the step's terms, a dozen operations a term and a few steps cost about 25 bits of the working precision
+    assert largest_radius(found) < 2.0 ** (40 - bits) * np.abs(middle(exact)).max()
+
+
+def test_monodromy_under_congruence_contains_exact_solution() -> None:
+    """Mass, and every other matrix, full: W = S^-1 (x, y)."""
+    S = np.array([[1.0, 0.5], [-0.25, 2.0]])
+    plain = whittaker_hill(0.5, 0.25, 0.125)
+
+    def congruent(a: FloatArray) -> FloatArray:
+        return S.T @ a @ S  # exact: all entries are short binary numbers
+
+    system = PeriodicSystem(
+        *map(congruent, (plain.mass, plain.gyroscopic, plain.damping, plain.stiffness)), congruent(plain.cosine)
+    )
+    found = certified_monodromy(system, OMEGA, 1.0)
+    with ctx.workprec(300):
+        to_plain = arb_mat(np.kron(np.eye(2), S).tolist())
+        assert contains(found, to_plain.inv() * exact_whittaker_hill(0.5, 0.25, 0.125, "cosine") * to_plain)
+
+
+@pytest.mark.parametrize("steps", [1, 3, 8])
+@pytest.mark.parametrize("order", [4, 9, 20])
+@pytest.mark.parametrize("radius", [1.5, 4.0])
+def test_remainder_bounds_what_low_orders_leave_out(
+    monkeypatch: pytest.MonkeyPatch, steps: int, order: int, radius: float
+) -> None:
+    monkeypatch.setattr(enclosure, "_plan", lambda equation, bits: (steps, order, arb(radius)))
+    found = certified_monodromy(whittaker_hill(0.5, 0.25, 0.125), OMEGA, 1.0)
+    with ctx.workprec(300):
+        exact = exact_whittaker_hill(0.5, 0.25, 0.125, "cosine")
+        assert contains(found, exact)
+        assert not contains(found.mid(), exact)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_constant_coefficients_are_the_matrix_exponential(seed: int) -> None:
+    system = random_system(seed, 3)
+    found = certified_monodromy(system, 1.3, 0.0)
+    with ctx.workprec(300):
+        inverse = arb_mat(system.mass.tolist()).inv()
+        P = inverse * (arb_mat(system.gyroscopic.tolist()) + arb_mat(system.damping.tolist()))
+        Q = inverse * arb_mat(system.stiffness.tolist())
+        one, zero = arb_mat(np.eye(3).tolist()), arb_mat(3, 3)
+        exact = (enclosure.blocks([[-P, -Q], [one, zero]]) * (2 * arb.pi() / arb(1.3))).exp()
+        assert contains(found, exact)
+
+
+@pytest.mark.parametrize(("seed", "n"), [(0, 1), (1, 2), (2, 4)])
+def test_monodromy_agrees_with_dop853(seed: int, n: int) -> None:
+    system, Omega, eps = random_system(seed, n), 1.7, 0.6
+
+    def slope(t: float, q: FloatArray) -> FloatArray:
+        v, w = q.reshape(2, n, 2 * n)
+        K = system.stiffness.copy()
+        for j in range(system.harmonics):
+            angle = (j + 1) * Omega * t
+            K += eps * (np.cos(angle) * system.cosine[j] + np.sin(angle) * system.sine[j])
+        force = (system.gyroscopic + system.damping) @ v + K @ w
+        return np.concatenate([-np.linalg.solve(system.mass, force), v]).ravel()
+
+    period = 2 * np.pi / Omega
+    reference = solve_ivp(slope, (0, period), np.eye(2 * n).ravel(), "DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
+    found = middle(certified_monodromy(system, Omega, eps))
+    np.testing.assert_allclose(found, reference.reshape(2 * n, 2 * n), atol=1e-9 * np.abs(found).max())
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_more_bits_stay_within_fewer(seed: int) -> None:
+    system = random_system(seed, 3)
+    coarse, fine, finest = (certified_monodromy(system, 2.1, -0.7, bits=bits) for bits in (64, 128, 256))
+    assert contains(coarse, finest.mid())
+    assert contains(fine, finest.mid())
+    assert largest_radius(finest) < 1e-30 * largest_radius(fine) < 1e-45 * largest_radius(coarse)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_determinant_obeys_liouville(seed: int) -> None:
+    system = random_system(seed, 3)
+    determinant = certified_monodromy(system, 0.9, 0.8).det()
+    with ctx.workprec(300):
+        trace = (arb_mat(system.mass.tolist()).inv() * arb_mat(system.damping.tolist())).trace()
+        assert determinant.contains((-trace * 2 * arb.pi() / arb(0.9)).exp())
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_conservative_monodromy_is_symplectic(seed: int) -> None:
+    """W'^T M Z - W^T M Z' - W^T G Z is the same for ever, for any two motions."""
+    system = random_system(seed, 3, conservative=True)
+    Phi = certified_monodromy(system, 1.1, 0.4)
+    J = arb_mat(np.block([[np.zeros((3, 3)), system.mass], [-system.mass, -system.gyroscopic]]).tolist())
+    with ctx.workprec(128):
+        assert contains(Phi.transpose() * J * Phi, J)
+
+
+# Verdicts
+
+
+@pytest.mark.parametrize("q", [0.1, 0.7, 2.0, 5.0])
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_mathieu_boundaries(order: int, q: float) -> None:
+    """DLMF 28.2(v), 28.17: with delta = a, Omega = 2, eps = 2 q, stable from a_{n-1} to b_n, unstable from b_n to a_n.
+
+    The third region at q = 0.1 is 3e-5 wide, thirty times the distance to its edges.
+    """
+    lower, upper = sorted((float(mathieu_a(order, q)), float(mathieu_b(order, q))))
+    for edge, inwards in ((lower, 1e-6), (upper, -1e-6)):
+        inside = certified_growth(mathieu(edge + inwards), 2.0, 2 * q)
+        outside = certified_growth(mathieu(edge - inwards), 2.0, 2 * q)
+        assert (inside.verdict, outside.verdict) == (Verdict.UNSTABLE, Verdict.STABLE)
+        assert 0 < inside.lower <= inside.upper < inside.lower * (1 + 1e-12)
+        assert outside.lower == outside.upper == 0
+
+
+@pytest.mark.parametrize(("Omega", "eps"), [(2.0, 0.3), (1.9, 0.5), (1.0, 0.4), (3.0, 0.3)])
+def test_damping_shifts_mathieus_growth(Omega: float, eps: float) -> None:
+    """x = e^{-d t / 2} y with delta - d^2 / 4 for delta: exact, also in float64 for d = 1/4."""
+    damped = certified_growth(mathieu(1.0, damping=0.25), Omega, eps)
+    undamped = certified_growth(mathieu(1.0 - 1 / 64), Omega, eps)
+    assert damped.lower <= undamped.upper - 0.125
+    assert damped.upper >= undamped.lower - 0.125
+    assert damped.verdict is (Verdict.UNSTABLE if undamped.lower > 0.125 else Verdict.STABLE)
+
+
+def overlap(a: CertifiedGrowth, b: CertifiedGrowth) -> bool:
+    return a.verdict is b.verdict and max(a.lower, b.lower) <= min(a.upper, b.upper)
+
+
+@pytest.mark.parametrize(("Omega", "eps"), [(4.0, 0.5), (3.7, 0.5), (2.0, 1.0), (1.3, 2.0)])
+@pytest.mark.parametrize("spin", [0.0, 0.5, 3.0])
+def test_round_rotor_is_mathieu(spin: float, Omega: float, eps: float) -> None:
+    rotor = certified_growth(gyroscopic_rotor((16.0 / 4, 16.0 / 4), spin), Omega, eps)
+    assert overlap(rotor, certified_growth(mathieu(4.0), Omega, eps))
+
+
+@pytest.mark.parametrize(("Omega", "eps"), [(2.0, 0.3), (2.3, 0.3), (1.0, 0.6), (1.05, 0.1), (2.0 + 0.15, 0.3)])
+def test_equal_coupled_oscillators_are_mathieu_twice(Omega: float, eps: float) -> None:
+    """x1 + x2 and x1 - x2 have the same multipliers: all double, all definite, so no two can be told apart."""
+    coupled = certified_growth(coupled_mathieu(frequencies=(1.0, 1.0)), Omega, eps)
+    assert overlap(coupled, certified_growth(mathieu(1.0), Omega, eps))
+
+
+@pytest.mark.parametrize(("kind", "inside", "outside"), [("sum", 2.7, 0.7), ("difference", 0.7, 2.7)])
+def test_combination_resonance(kind: str, inside: float, outside: float) -> None:
+    system = coupled_mathieu(kind)
+    assert certified_growth(system, inside, 0.2).verdict is Verdict.UNSTABLE
+    assert certified_growth(system, outside, 0.2).verdict is Verdict.STABLE
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_both_proofs_of_stability_agree(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Simple multipliers on the circle, and a definite invariant form: each decides what the other does."""
+    system = random_system(seed, 3, conservative=True)
+    Omega, eps = 1.0 + 0.2 * seed, 0.8
+    simple = certified_growth(system, Omega, eps)
+    monkeypatch.setattr(certified, "_on_unit_circle", lambda spectrum: False)
+    assert overlap(certified_growth(system, Omega, eps), simple)
+
+
+def test_a_definite_form_is_found_only_where_there_is_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The proof by an invariant form does not rest on the discs: without them, unstable points stay undecided."""
+    monkeypatch.setattr(certified, "_largest_modulus", lambda spectrum: (arb(0), arb(10)))
+    monkeypatch.setattr(certified, "_on_unit_circle", lambda spectrum: False)
+    for Omega, verdict in ((1.9, Verdict.UNDECIDED), (2.3, Verdict.STABLE)):
+        assert certified_growth(mathieu(), Omega, 0.3, max_bits=128).verdict is verdict
+
+
+@pytest.mark.parametrize("phase", ["cosine", "sine"])
+@pytest.mark.parametrize("kappa", [0.25, 0.5, 1.5])
+def test_a_boundary_is_undecided(kappa: float, phase: str) -> None:
+    """u = exp(-kappa cos Omega t) has the period T: mu = 1 is double, defective, and on a boundary exactly."""
+    found = certified_growth(whittaker_hill(kappa, phase=phase), OMEGA, 1.0)
+    assert found.verdict is Verdict.UNDECIDED
+    assert found.lower == 0
+    assert 0 <= found.upper < 1e-60
+
+
+def test_defective_multiplier_off_the_circle() -> None:
+    """The same with decay: the rate is the decay exactly, however ill-conditioned the eigenvectors."""
+    found = certified_growth(whittaker_hill(0.5, 0.25, 0.125), OMEGA, 1.0)
+    assert found.verdict is Verdict.STABLE
+    assert -0.125 - 1e-10 < found.lower <= -0.125 <= found.upper < -0.125 + 1e-10
+    assert certified_growth(whittaker_hill(0.5, 0.25, -0.125), OMEGA, 1.0).verdict is Verdict.UNSTABLE
+
+
+def test_precision_is_raised_until_decided() -> None:
+    """At Omega = 2 omega the growth rate is eps / (4 omega) (1 + O(eps^2)); 1e-60 is far beyond 128 bits."""
+    found = certified_growth(mathieu(), 2.0, 1e-60)
+    assert found.verdict is Verdict.UNSTABLE
+    assert found.bits > 128
+    assert found.lower <= 0.25e-60 * (1 + 1e-12)
+    assert found.upper >= 0.25e-60 * (1 - 1e-12)
+    assert found.upper < found.lower * (1 + 1e-9)
+    assert certified_growth(mathieu(), 2.0, 1e-60, max_bits=128).verdict is Verdict.UNDECIDED
+
+
+@pytest.mark.parametrize("Omega", [2.0, 1.0, 3.4, 2.7, 0.7])
+def test_without_excitation_no_frequency_is_special(Omega: float) -> None:
+    for system in (mathieu(), coupled_mathieu(), gyroscopic_rotor(), meissner()):
+        found = certified_growth(system, Omega, 0.0)
+        assert (found.lower, found.upper, found.verdict) == (0, 0, Verdict.STABLE)
+
+
+def test_free_motion_is_undecided() -> None:
+    """x'' = 0 grows, though not exponentially: neither word fits."""
+    found = certified_growth(mathieu(0.0), 1.0, 0.0)
+    assert found.verdict is Verdict.UNDECIDED
+    assert found.lower == 0
+    assert found.upper < 1e-60
+
+
+def test_partial_damping() -> None:
+    """Uncoupled parts, one damped: the other neither grows nor decays. Coupling lets both decay, or else one grow.
+
+    That damping in one part makes the other grow over wide ranges of Omega is no error: DOP853 gives 6.6367e-4 at 3.5.
+    """
+    system = coupled_mathieu(damping=(0.1, 0.0))
+    found = certified_growth(system, 5.0, 0.0)
+    assert (found.lower, found.upper, found.verdict) == (0, 0, Verdict.STABLE)
+    assert certified_growth(system, 0.7, 0.5).upper < -0.02
+    assert certified_growth(system, 3.5, 0.5).lower == pytest.approx(6.63665438745e-4, rel=1e-9)
+
+
+def test_asymmetry_of_one_ulp_takes_the_certificate_away() -> None:
+    K = np.array([[1.0, 0.3], [0.3, 2.0]])
+    crooked = K + np.array([[0.0, np.spacing(0.3)], [0.0, 0.0]])
+    zero, turning = np.zeros((2, 2)), np.array([[0.0, 0.2], [-0.2, 0.0]])
+
+    def growth(gyroscopic: FloatArray, stiffness: FloatArray) -> CertifiedGrowth:
+        return certified_growth(PeriodicSystem(np.eye(2), gyroscopic, zero, stiffness, [np.diag([1.0, 0.5])]), 5.0, 0.1)
+
+    assert growth(turning, K).verdict is Verdict.STABLE
+    found = growth(turning, crooked)
+    assert found.verdict is not Verdict.STABLE
+    assert "symmetric" in found.reason or found.verdict is Verdict.UNSTABLE
+    assert found.upper < 1e-15
+    # without G the system runs backwards as it runs forwards, symmetric or not
+    assert growth(zero, crooked).verdict is Verdict.STABLE
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_units_of_coordinates_do_not_matter(seed: int) -> None:
+    """W = S V with powers of two in S, exact in float64, over twenty-four orders of magnitude."""
+    system = random_system(seed, 3)
+    S = np.diag([2.0**-40, 1.0, 2.0**40])
+    matrices = (system.mass, system.gyroscopic, system.damping, system.stiffness, system.cosine, system.sine)
+    scaled = PeriodicSystem(*(S @ matrix @ S for matrix in matrices))
+    assert overlap(certified_growth(scaled, 1.9, 0.5), certified_growth(system, 1.9, 0.5))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_unit_of_time_scales_the_growth_rate(seed: int) -> None:
+    system = random_system(seed, 3)
+    faster = PeriodicSystem(
+        system.mass,
+        1024 * system.gyroscopic,
+        1024 * system.damping,
+        1024**2 * system.stiffness,
+        1024**2 * system.cosine,
+        1024**2 * system.sine,
+    )
+    slow, fast = certified_growth(system, 1.9, 0.5), certified_growth(faster, 1024 * 1.9, 0.5)
+    assert max(1024 * slow.lower, fast.lower) <= min(1024 * slow.upper, fast.upper)
+    assert slow.verdict is fast.verdict
+
+
+def test_family_is_asked_at_the_frequency() -> None:
+    class Family:
+        def at(self, Omega: float) -> PeriodicSystem:
+            return mathieu(Omega**2 / 4)
+
+    for Omega in (1.0, 3.0):
+        assert certified_growth(Family(), Omega, 0.1).verdict is Verdict.UNSTABLE
+
+
+def test_working_precision_is_given_back() -> None:
+    before = ctx.prec
+    certified_growth(mathieu(), 1.9, 0.3)
+    certified_monodromy(mathieu(), 1.9, 0.3, bits=256)
+    with pytest.raises(ValueError, match="Omega"):
+        certified_growth(mathieu(), 1e-9, 0.3)
+    assert ctx.prec == before
+
+
+# Wrong input
+
+
+@pytest.mark.parametrize(
+    ("arguments", "fault"),
+    [
+        ((None, 1.0, 0.1), "family"),
+        ((np.eye(2), 1.0, 0.1), "family"),
+        ((mathieu(), 0.0, 0.1), "Omega"),
+        ((mathieu(), -1.0, 0.1), "Omega"),
+        ((mathieu(), np.nan, 0.1), "Omega"),
+        ((mathieu(), np.inf, 0.1), "Omega"),
+        ((mathieu(), "1", 0.1), "Omega"),
+        ((mathieu(), [1.0], 0.1), "Omega"),
+        ((mathieu(), 1.0, np.nan), "eps"),
+        ((mathieu(), 1.0, None), "eps"),
+        ((mathieu(), 1.0, 1j), "eps"),
+        ((mathieu(), 1e-12, 0.1), "higher Omega"),
+        ((mathieu(), 5e-324, 0.1), "higher Omega"),
+        ((mathieu(), 1.0, 1e300), "steps"),
+        ((mathieu(1e300), 1.0, 0.1), "steps"),
+        ((random_system(0, 30), 0.1, 0.1), "fewer coordinates"),
+        ((PeriodicSystem([[1e-200]], [[0]], [[0]], [[1e200]], [[[1]]]), 1.0, 0.1), "units"),
+    ],
+)
+def test_wrong_arguments(arguments: tuple[Any, ...], fault: str) -> None:
+    for function in (certified_growth, certified_monodromy):
+        with pytest.raises(ValueError, match=fault):
+            function(*arguments)
+
+
+def test_wrong_family() -> None:
+    class Wrong:
+        def at(self, Omega: float) -> str:
+            return "plate"
+
+    with pytest.raises(ValueError, match="must return a PeriodicSystem"):
+        certified_growth(Wrong(), 1.0, 0.1)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("bits", [63, 4096, 128.0, "128", None, True])
+def test_wrong_precision(bits: Any) -> None:
+    with pytest.raises(ValueError, match="bits"):
+        certified_monodromy(mathieu(), 1.0, 0.1, bits=bits)
+    with pytest.raises(ValueError, match="max_bits"):
+        certified_growth(mathieu(), 1.0, 0.1, max_bits=bits)
+
+
+@pytest.mark.parametrize(("Omega", "eps"), [(1e300, 0.3), (1.0, 1e-300), (1e12, 5e-324), (1e150, -1e290)])
+def test_extreme_numbers_are_no_trouble(Omega: float, eps: float) -> None:
+    found = certified_growth(mathieu(), Omega, eps)
+    assert 0 <= found.lower <= found.upper < Omega * 1e-70
+
+
+def test_missing_flint_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "flint", None)
+    monkeypatch.delitem(sys.modules, "floquet.certified")
+    with pytest.raises(ImportError, match=r"floquet-charts\[certify\]"):
+        importlib.import_module("floquet.certified")
