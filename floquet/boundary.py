@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -159,13 +160,10 @@ class _Route:
     def __init__(self, family: SystemFamily, resonance: Resonance) -> None:
         self.family = family
         self.resonance = resonance
-        n = len(resonance.vectors) // 2
-        support = [np.abs(vector[n:]).argmax() for vector in resonance.vectors.T]
         blocks = reduce_system(family.at(resonance.centre), 1.0, resonance.centre)
-        first, second = (next(b for b in blocks if row in b.coordinates) for row in support)
+        first, second = (_home(blocks, vector) for vector in resonance.vectors.T)
         self.coupled = first is second
-        self.row = support[0]
-        self.latest: tuple[PeriodicSystem, float, Reduction, NDArray[np.intp]] | None = None
+        self.latest: tuple[PeriodicSystem, float, Reduction] | None = None
         self.spacing = STATION / max(modulation(first.equations), np.finfo(float).tiny)
         self.stations = [_Station(0.0, resonance.centre, resonance.vectors)]
 
@@ -197,35 +195,56 @@ class _Route:
             self.stations.append(_Station(following, top.Omega, top.vectors))
 
     def _point(self, Omega: float, eps: float, reference: ComplexArray, checked: bool = False) -> Point:
-        block, rows = self._block(Omega, eps)
+        """Return the pair at one Omega: the eigenvectors that lie most in the span of ``reference`` (2n, 2)."""
+        block = self._block(Omega, eps)
         error = np.nan
         if checked:
             found = period_map(block, Omega, eps, TOLERANCE)
             Phi, error = found.matrix, found.error
         else:
-            Phi = propagate(block, Omega, eps, steps_of_period(block, Omega), TOLERANCE, np.eye(len(rows)))
+            Phi = propagate(block, Omega, eps, steps_of_period(block, Omega), TOLERANCE, np.eye(len(block.from_q)))
         mu, left, right = sla.eig(Phi, left=True, right=True)  # type: ignore[misc]  # the stubs know two results only
-        span, _ = np.linalg.qr(block.from_q @ reference[rows])
-        part = np.linalg.norm(span.conj().T @ right, axis=0)
-        pair = np.argsort(part)[-2:]
-        if part[pair[0]] < LEAST_PART:
-            raise LostError
+        span, _ = np.linalg.qr(block.from_q @ reference)
+        inside = span.conj().T @ right
+        pair = self._choose(mu, inside, 2 * np.pi / Omega)
         condition = 1 / np.abs(np.einsum("ij,ij->j", left[:, pair].conj(), right[:, pair]))
         relative = float(np.sum(condition / np.abs(mu[pair])) * error)
         value, error = _test(mu[pair], self._lock(), block.reciprocal, relative)
-        vectors = np.zeros_like(reference)
-        vectors[rows] = block.to_q @ right[:, pair]
-        return Point(Omega, value, error, mu[pair], vectors)
+        return Point(Omega, value, error, mu[pair], block.to_q @ right[:, pair])
 
-    def _block(self, Omega: float, eps: float) -> tuple[Reduction, NDArray[np.intp]]:
-        """Return the block of the pair and its rows in (W', W); computed anew only if the system or eps has changed."""
+    def _choose(self, mu: ComplexArray, inside: ComplexArray, T: float) -> list[int]:
+        """Return the two multipliers whose eigenvectors have large parts ``inside`` (2, count) the reference.
+
+        More than two have if multipliers are equal or so close that their eigenvectors mix. Then, for two different
+        modes, those that span the reference best; for a single mode, the one of its pairs nearest to instability: two
+        conjugate multipliers, or two real ones whose product is that of the mode's decay.
+        """
+        candidates = np.flatnonzero(np.linalg.norm(inside, axis=0) > LEAST_PART).tolist()
+        lock, decay = self._lock(), self.resonance.decay * T
+
+        def belong(pair: list[int]) -> bool:
+            first, second = mu[pair]
+            if first.imag or second.imag:
+                return bool(first == second.conj())
+            excess = abs(np.log(abs(first * second)) + decay)
+            return bool(excess <= 0.5 * abs(np.log(abs(first / second))) + 0.1 * decay + LEAST_DAMPING)
+
+        pairs = [list(pair) for pair in combinations(candidates, 2)]
+        if lock is not None and len(pairs) > 1:
+            pairs = [pair for pair in pairs if belong(pair)]
+        if not pairs:
+            raise LostError
+        if lock is None:
+            return max(pairs, key=lambda pair: abs(np.linalg.det(inside[:, pair])))
+        return max(pairs, key=lambda pair: _test(mu[pair], lock, True, 0.0)[0])
+
+    def _block(self, Omega: float, eps: float) -> Reduction:
+        """Return the block of the pair; computed anew only if the system or eps has changed."""
         member = self.family.at(Omega)
         if self.latest is None or self.latest[0] is not member or self.latest[1] != eps:
             blocks = reduce_system(member, eps, self.resonance.centre)
-            block = next(b for b in blocks if self.row in b.coordinates)
-            rows = np.concatenate([block.coordinates, member.size + block.coordinates])
-            self.latest = (member, eps, block, rows)
-        return self.latest[2:]
+            self.latest = (member, eps, _home(blocks, self.resonance.vectors[:, 0]))
+        return self.latest[2]
 
     def _lock(self) -> float | None:
         """Return the point of the unit circle at which the pair meets: fixed if both belong to one mode."""
@@ -303,15 +322,15 @@ class _Route:
 
     def _zero(self, eps: float, inside: Point, outside: Point) -> float:
         """Return the zero of f between two points."""
-        smallest = np.inf
+        values = {inside.Omega: inside.value, outside.Omega: outside.value}
 
         def value(Omega: float) -> float:
-            nonlocal smallest
-            f = self._point(Omega, eps, inside.vectors).value
-            smallest = min(smallest, abs(f))
-            return f
+            if Omega not in values:
+                values[Omega] = self._point(Omega, eps, inside.vectors).value
+            return values[Omega]
 
         zero = float(brentq(value, inside.Omega, outside.Omega, xtol=RESOLUTION * inside.Omega))
+        smallest = min(map(abs, values.values()))
         resolved = 10 * RESOLUTION * zero / abs(outside.Omega - inside.Omega)
         if smallest > (LARGEST_JUMP + resolved) * (inside.value - outside.value):
             raise LostError  # f changes sign by a jump from one pair to another
@@ -331,6 +350,11 @@ class _Route:
         except LostError:
             return np.inf
         return inside.error / abs(inside.value / shift) + RESOLUTION * edge
+
+
+def _home(blocks: list[Reduction], vector: ComplexArray) -> Reduction:
+    """Return the block that a solution belongs to."""
+    return max(blocks, key=lambda block: float(np.linalg.norm(block.from_q @ vector)))
 
 
 def _kind(lock: float | None) -> Kind:

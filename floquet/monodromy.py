@@ -113,11 +113,9 @@ def monodromy(system: SystemFamily, Omega: float, eps: float, *, tolerance: floa
             for block, found in zip(blocks, maps, strict=True)
         ]
     )
-    n = member.size
-    matrix = np.zeros((2 * n, 2 * n))
-    for block, found in zip(blocks, maps, strict=True):
-        rows = np.concatenate([block.coordinates, n + block.coordinates])
-        matrix[np.ix_(rows, rows)] = block.to_q @ found.matrix @ block.from_q
+    matrix = np.sum(
+        [block.to_q @ found.matrix @ block.from_q for block, found in zip(blocks, maps, strict=True)], axis=0
+    )
     error = np.linalg.norm([found.error_in_q for found in maps]) / max(1.0, float(np.linalg.norm(matrix, 2)))
     for array in (matrix, joint.multipliers):
         array.setflags(write=False)
@@ -151,11 +149,11 @@ def period_map(block: Reduction, Omega: float, eps: float, tolerance: float) -> 
     ValueError
         If the solution overflows or the integration would take too long (``Omega`` and ``eps`` are named).
     """
-    m = len(block.coordinates)
+    m = len(block.equations.w)
     start = np.eye(2 * m)
     probes, share = _probes(m)
     # norms of the two halves of from_q: how much of a disturbance of q each half of y receives
-    receives = np.linalg.norm(block.from_q.reshape(2, m, 2 * m), 2, axis=(1, 2))
+    receives = np.linalg.norm(np.stack(np.split(block.from_q, 2)), 2, axis=(1, 2))
     steps = steps_of_period(block, Omega)
     best = PeriodMap(start, np.inf, np.inf)
     for _ in range(HALVINGS + 1):
@@ -200,7 +198,7 @@ def propagate(
     block: Reduction, Omega: float, eps: float, steps: int, tolerance: float, start: FloatArray
 ) -> FloatArray:
     """Return the values after one period of the solutions that begin with the columns of ``start`` (2m, columns)."""
-    m, columns = len(block.coordinates), start.shape[1]
+    m, columns = len(block.equations.w), start.shape[1]
     seconds = steps * TERMS * (SECONDS_A_TERM + 2 * block.equations.S.size * columns * SECONDS_A_FLOP)
     if seconds > MOST_SECONDS:
         raise ValueError(

@@ -16,6 +16,9 @@ from periodic.checks import FloatArray
 # Couplings and asymmetries below this part of the largest entry of their matrix are rounding errors of its assembly.
 # What is dropped is charged to the error estimate.
 ROUNDING = 1e-14
+# A hidden symmetry is used if the couplings it leaves, in energy coordinates, are below this part of the rate of
+# motion: dropping them then costs no more than rounding does anyway.
+SYMMETRY = 1e-15
 
 
 class Reduction(NamedTuple):
@@ -23,10 +26,10 @@ class Reduction(NamedTuple):
 
     Attributes
     ----------
-    coordinates : ndarray of int, shape (m,)
-        The coordinates of the system that form the block.
-    to_q, from_q : ndarray, shape (2m, 2m)
-        q = to_q @ y and y = from_q @ q, where q = (W', W) of the block, eq. (13).
+    to_q : ndarray, shape (2n, 2m)
+        The part of q = (W', W), eq. (13), that the block contributes is to_q @ y.
+    from_q : ndarray, shape (2m, 2n)
+        y = from_q @ q.
     equations : Block
         Coefficients.
     rate : float
@@ -39,7 +42,6 @@ class Reduction(NamedTuple):
         For a conservative block the skew-symmetric form that its motion conserves.
     """
 
-    coordinates: NDArray[np.intp]
     to_q: FloatArray
     from_q: FloatArray
     equations: Block
@@ -60,13 +62,13 @@ def reduce_system(system: PeriodicSystem, eps: float, slowest: float) -> list[Re
     constant = np.array([system.mass, system.gyroscopic, system.damping, system.stiffness])
     matrices = np.concatenate([constant, eps * system.cosine, eps * system.sine])
     scale = 1 / np.sqrt(np.diag(system.mass))
-    label = _components(scale[:, None] * matrices * scale)
-    blocks = [np.flatnonzero(label == b) for b in range(label.max() + 1)]
-    reduced = [_reduce(matrices[:, index[:, None], index], index, slowest) for index in blocks]
-    if len(blocks) == 1:
-        return reduced
-    neglected = _neglected(matrices, reduced, label)
-    return [block._replace(neglected=block.neglected + neglected) for block in reduced]
+    separate = _columns(np.eye(system.size), _components(scale[:, None] * matrices * scale))
+    symmetric = [part for basis in separate for part in _symmetry_parts(matrices, basis)]
+    if len(symmetric) > len(separate):
+        blocks = _reduce_all(matrices, symmetric, slowest)
+        if blocks[0].neglected <= SYMMETRY * min(block.rate for block in blocks):
+            return blocks
+    return _reduce_all(matrices, separate, slowest)
 
 
 def constant_matrix(equations: Block) -> FloatArray:
@@ -98,23 +100,48 @@ def _components(matrices: FloatArray) -> NDArray[np.intp]:
     return np.asarray(label, dtype=np.intp)
 
 
-def _neglected(matrices: FloatArray, blocks: list[Reduction], label: NDArray[np.intp]) -> float:
-    """Return the norm of the coefficients between different blocks, in energy coordinates."""
-    n = len(label)
-    modes, w, k = np.zeros((n, n)), np.empty(n), np.empty(n)
-    for block in blocks:
-        m = len(block.coordinates)
-        modes[np.ix_(block.coordinates, block.coordinates)] = block.to_q[:m, m:]
-        w[block.coordinates], k[block.coordinates] = block.equations.w, block.equations.k * block.equations.w
+def _columns(basis: FloatArray, label: NDArray[np.intp]) -> list[FloatArray]:
+    """Return the columns of ``basis`` of each label."""
+    return [basis[:, label == c] for c in range(label.max() + 1)]
+
+
+def _symmetry_parts(matrices: FloatArray, basis: FloatArray) -> list[FloatArray]:
+    """Split the space of ``basis`` (n, m) into parts that no matrix couples, whatever coordinates it is given in.
+
+    Such parts are spanned by eigenvectors of any symmetric combination of the matrices, so those of a random one are
+    tried. The modes alone would not do: equal frequencies leave them undetermined.
+    """
+    if basis.shape[1] == 1:
+        return [basis]
+    M, *others = basis.T @ matrices @ basis
+    weights = np.random.default_rng(0).uniform(1, 2, len(others))
+    combination = sum(
+        weight * (S + S.T) / np.abs(S).max() for weight, S in zip(weights, others, strict=True) if S.any()
+    )
+    found = basis @ sla.eigh(combination + np.zeros_like(M), M)[1]
+    return _columns(found, _components(found.T @ matrices @ found))
+
+
+def _reduce_all(matrices: FloatArray, bases: list[FloatArray], slowest: float) -> list[Reduction]:
+    """Return the blocks of the given bases; each is charged with what all of them neglect."""
+    blocks = [_reduce(matrices, basis, slowest) for basis in bases]
+    if len(blocks) == 1:
+        return blocks
+    n = len(matrices[0])
+    modes = np.hstack([block.to_q[:n, block.to_q.shape[1] // 2 :] for block in blocks])
+    w = np.concatenate([block.equations.w for block in blocks])
+    k = np.concatenate([block.equations.k for block in blocks]) * w
+    label = np.repeat(np.arange(len(blocks)), [len(block.equations.w) for block in blocks])
     M, G, C, *stiffness = np.where(label[:, None] == label, 0.0, modes.T @ matrices @ modes)
     # a coupling of mass acts through the acceleration, -k y1 / w
     forces = [M * k, *stiffness]
-    return float(np.linalg.norm(G) + np.linalg.norm(C) + sum(np.linalg.norm(force / w) for force in forces))
+    neglected = np.linalg.norm(G) + np.linalg.norm(C) + sum(np.linalg.norm(force / w) for force in forces)
+    return [block._replace(neglected=block.neglected + float(neglected)) for block in blocks]
 
 
-def _reduce(matrices: FloatArray, index: NDArray[np.intp], slowest: float) -> Reduction:
-    M, G, C = matrices[:3]
-    forces = matrices[3:]  # K, eps F_c1 ... eps F_sJ
+def _reduce(matrices: FloatArray, basis: FloatArray, slowest: float) -> Reduction:
+    M, G, C, *_ = parts = basis.T @ matrices @ basis
+    forces = parts[3:]  # K, eps F_c1 ... eps F_sJ
     skew = (forces - forces.transpose(0, 2, 1)) / 2
     symmetric = bool((np.abs(skew).max(axis=(1, 2)) <= ROUNDING * np.abs(forces).max(axis=(1, 2))).all())
     K = forces[0] - skew[0]
@@ -132,12 +159,12 @@ def _reduce(matrices: FloatArray, index: NDArray[np.intp], slowest: float) -> Re
     S = np.ascontiguousarray(np.concatenate([*B, damping][: len(B) + damped], axis=1))
     equations = Block(w, k / w, S, damped, alpha, beta)
     sines = forces[1 + len(excitation) // 2 :]
-    m = len(index)
-    zero, inverse = np.zeros((m, m)), modes.T @ M
+    shapes = basis @ modes
+    inverse = shapes.T @ matrices[0]
+    zero = np.zeros_like(shapes)
     return Reduction(
-        index,
-        to_q=np.block([[zero, modes], [modes / w, zero]]),
-        from_q=np.block([[zero, w[:, None] * inverse], [inverse, zero]]),
+        to_q=np.block([[zero, shapes], [shapes / w, zero]]),
+        from_q=np.block([[zero.T, w[:, None] * inverse], [inverse, zero.T]]),
         equations=equations,
         rate=_rate(equations),
         neglected=float(np.linalg.norm(asymmetry, axis=(1, 2)).sum()) if symmetric else 0.0,

@@ -40,6 +40,8 @@ class Resonance:
         "sum" or "difference".
     centre : float
         The frequency Omega of resonance.
+    decay : float
+        Sum of the decay rates of the two modes.
     vectors : ndarray of complex, shape (2n, 2)
         The two solutions that resonate, at t = 0 in (W', W): those of e^{i omega_p t} and of e^{∓ i omega_q t}.
     """
@@ -49,6 +51,7 @@ class Resonance:
     j: int
     kind: str
     centre: float
+    decay: float
     vectors: NDArray[np.complex128]
 
 
@@ -60,7 +63,8 @@ def nearest_resonance(system: PeriodicSystem, near: float) -> Resonance:
     ValueError
         If there is none within 5 % of ``near``.
     """
-    frequencies, vectors = _oscillations(system, near)
+    exponents, vectors = _oscillations(system, near)
+    frequencies, decay = exponents.imag, -exponents.real
     numbers = range(len(frequencies))
     pairs = [("sum", p, q) for q, p in combinations_with_replacement(numbers, 2)]
     pairs += [("difference", p, q) for q, p in combinations(numbers, 2)]
@@ -79,24 +83,22 @@ def nearest_resonance(system: PeriodicSystem, near: float) -> Resonance:
     row, column = np.unravel_index(int(score.argmin()), score.shape)
     (kind, p, q), j = pairs[row], int(orders[column])
     partner = vectors[:, q].conj() if kind == "sum" else vectors[:, q]
-    return Resonance(p + 1, q + 1, j, kind, float(total[row] / j), np.column_stack([vectors[:, p], partner]))
+    both = np.column_stack([vectors[:, p], partner])
+    return Resonance(p + 1, q + 1, j, kind, float(total[row] / j), float(decay[p] + decay[q]), both)
 
 
-def _oscillations(system: PeriodicSystem, near: float) -> tuple[NDArray[np.float64], NDArray[np.complex128]]:
-    """Return the frequencies, increasing, of the system at eps = 0 and its complex modes (2n, count) in q = (W', W).
+def _oscillations(system: PeriodicSystem, near: float) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """Return the exponents i omega - decay at eps = 0, by increasing omega > 0, and the modes (2n, count) in (W', W).
 
     Modes are those of the blocks into which the excited system splits: of two modes with equal frequency in different
     blocks no mixture is formed.
     """
-    n = system.size
-    frequencies, modes = [], []
+    exponents, modes = [], []
     for block in reduce_system(system, 1.0, near):
-        exponents, vectors = sla.eig(constant_matrix(block.equations))
-        oscillating = exponents.imag > SLOWEST * np.abs(exponents).max()
-        frequencies.append(exponents.imag[oscillating])
-        mode = np.zeros((2 * n, oscillating.sum()), dtype=complex)
-        mode[np.concatenate([block.coordinates, n + block.coordinates])] = block.to_q @ vectors[:, oscillating]
-        modes.append(mode)
-    frequency = np.concatenate(frequencies)
-    order = np.argsort(frequency)
-    return frequency[order], np.concatenate(modes, axis=1)[:, order]
+        values, vectors = sla.eig(constant_matrix(block.equations))
+        oscillating = values.imag > SLOWEST * np.abs(values).max()
+        exponents.append(values[oscillating])
+        modes.append(block.to_q @ vectors[:, oscillating])
+    exponent = np.concatenate(exponents)
+    order = np.argsort(exponent.imag)
+    return exponent[order], np.concatenate(modes, axis=1)[:, order]
