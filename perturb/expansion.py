@@ -22,6 +22,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
 
 from periodic import PeriodicSystem
 from periodic.checks import FloatArray
@@ -98,6 +99,8 @@ class EffectiveBlock:
         The same sums with every term replaced by its modulus: what rounding is measured against.
     drift : ndarray, shape (m, m), complex
         Coefficient of eps x, where the excitation depends on Omega.
+    same : ndarray of bool, shape (m, m)
+        States of one repeated frequency and one harmonic: their basis is arbitrary, so they count together.
     conservative : bool
     """
 
@@ -106,6 +109,7 @@ class EffectiveBlock:
     powers: ComplexArray
     sizes: FloatArray
     drift: ComplexArray
+    same: NDArray[np.bool_]
     conservative: bool
 
     def matrix(self, x: FloatArray, eps: FloatArray) -> ComplexArray:
@@ -122,7 +126,9 @@ def effective_block(
     order: int,
     slope: ModalCouplings | None = None,
 ) -> EffectiveBlock:
-    """Return the effective matrix of the resonance of ``pair``.
+    """Return the effective matrix of the resonance of ``pair``, its near-resonant states included.
+
+    If nothing links the two states with each other they are left alone: what happens to either is another resonance.
 
     Parameters
     ----------
@@ -136,7 +142,18 @@ def effective_block(
     slope : ModalCouplings, optional
         Derivative of the couplings with respect to Omega.
     """
-    states = resonant_states(couplings, pair, centre, order)
+    block = _block_of(couplings, resonant_states(couplings, pair, centre, order), centre, order, slope)
+    _, component = connected_components(block.sizes.sum(axis=0) > 0, directed=False)
+    return block if component[0] == component[1] else _block_of(couplings, pair, centre, order, slope)
+
+
+def _block_of(
+    couplings: ModalCouplings,
+    states: list[tuple[int, int]],
+    centre: float,
+    order: int,
+    slope: ModalCouplings | None,
+) -> EffectiveBlock:
     nu, h = np.array(states).T
     d = couplings.omega[nu] - h * centre
     powers, sizes = np.zeros((3, len(nu), len(nu)), dtype=complex), np.zeros((3, len(nu), len(nu)))
@@ -155,7 +172,8 @@ def effective_block(
         _add(powers, sizes, power[:, None] + power, V_ac * weight, V_cb)
         _add(powers, sizes, power[:, None] + power, V_ac, V_cb * weight.T)
     drift = np.zeros_like(powers[0]) if slope is None else _interaction(slope, nu, h, nu, h) * (h[:, None] != h)
-    return EffectiveBlock(np.array(states), d - d[0], powers, sizes, drift, couplings.conservative)
+    same = (h[:, None] == h) & (np.abs(d[:, None] - d) <= EQUAL * centre)
+    return EffectiveBlock(np.array(states), d - d[0], powers, sizes, drift, same, couplings.conservative)
 
 
 def resonant_states(

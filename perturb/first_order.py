@@ -41,11 +41,13 @@ class FirstOrder:
         return float(pair_tip(self.C_p, self.C_q, self.L))
 
     def edges(self, eps: FloatArray) -> tuple[FloatArray, FloatArray]:
-        if self.kind == "difference" and self.L == 0:
-            return np.full_like(eps, np.nan), np.full_like(eps, np.nan)
+        L = eps**2 * self.L
         if self.vanishing:
-            return pair_edges_vanishing(*self.vanishing, eps**2 * self.L)
-        return pair_edges(self.C_p, self.C_q, eps**2 * self.L)
+            low, high = pair_edges_vanishing(*self.vanishing, L)
+        else:
+            low, high = pair_edges(self.C_p, self.C_q, L)
+        uncoupled = (L == 0) & (self.kind == "difference")
+        return np.where(uncoupled, np.nan, low), np.where(uncoupled, np.nan, high)
 
     def growth(self, s: FloatArray, eps: FloatArray) -> FloatArray:
         return pair_growth(self.C_p, self.C_q, eps**2 * self.L, s)

@@ -103,10 +103,11 @@ def gyroscopic_modes(system: PeriodicSystem) -> GyroscopicModes:
     Raises
     ------
     ValueError
-        If ``system`` is none, or its stiffness is not symmetric or not positive definite.
+        If ``system`` is no PeriodicSystem, or its stiffness is not symmetric or not positive definite.
     """
     if not isinstance(system, PeriodicSystem):
-        raise ValueError(f"system = {system!r} is not a PeriodicSystem; build one from your matrices")
+        kind = type(system).__name__
+        raise ValueError(f"system is of type {kind}; give a PeriodicSystem (of a family, family.at(Omega))")
     M, G, K = system.mass, system.gyroscopic, _checked_stiffness(system.stiffness)
     n = system.size
     L_M, L_K = np.linalg.cholesky(M), np.linalg.cholesky(K)

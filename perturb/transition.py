@@ -172,10 +172,13 @@ def _checked_kinds(kinds: Any) -> tuple[str, ...]:
 
 def _system_at(family: Any, Omega: float) -> PeriodicSystem:
     if not callable(getattr(family, "at", None)):
-        raise ValueError(f"family = {family!r} has no method at(Omega); give a PeriodicSystem or a SystemFamily")
+        kind = type(family).__name__
+        raise ValueError(
+            f"family is of type {kind} without a method at(Omega); give a PeriodicSystem or a SystemFamily"
+        )
     system = family.at(Omega)
     if not isinstance(system, PeriodicSystem):
-        raise ValueError(f"family.at({Omega!r}) = {system!r} is not a PeriodicSystem; let it return one")
+        raise ValueError(f"family.at({Omega!r}) is of type {type(system).__name__}; let it return a PeriodicSystem")
     return system
 
 

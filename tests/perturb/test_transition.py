@@ -1,0 +1,438 @@
+"""First-order transition curves: closed forms, references, growth rates, order of the error, refusals."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from perturb_oracles import changed, congruent, fitted_order, hill_edges, hill_growth, moving_string, random_system
+
+from periodic import PeriodicSystem
+from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu, meissner
+from perturb import TransitionCurve, gyroscopic_modes, transition_curves
+from perturb.pair import pair_edges, pair_edges_vanishing, pair_growth, pair_slope, pair_tip
+
+few = settings(deadline=None, max_examples=20)
+seeds = st.integers(0, 10**6)
+EVERYTHING = (0.0, 1e6)
+
+
+def curve(family: Any, label: str, Omega_range: tuple[float, float] = EVERYTHING, **options: Any) -> TransitionCurve:
+    """The one curve of that name."""
+    (found,) = [c for c in transition_curves(family, Omega_range, **options) if c.label == label]
+    return found
+
+
+# --- the pair on its own ---------------------------------------------------------------------------------------------
+
+
+def pair_matrix(C_p: float, C_q: float, L: complex, s: float) -> np.ndarray:
+    return 0.5 * np.array([[-C_p - 1j * s, L], [1.0, -C_q + 1j * s]])
+
+
+products = st.tuples(st.floats(-1, 1), st.floats(-1, 1)).map(lambda parts: complex(*parts))
+decays = st.floats(0.01, 1)
+
+
+@few
+@given(decays, decays, products, st.floats(-3, 3))
+def test_pair_growth_is_the_larger_eigenvalue(C_p: float, C_q: float, L: complex, s: float) -> None:
+    expected = np.linalg.eigvals(pair_matrix(C_p, C_q, L, s)).real.max()
+    # Near coalescence eigvals itself loses the square root of rounding.
+    assert pair_growth(*map(np.array, (C_p, C_q, L, s))) == pytest.approx(expected, abs=1e-7)
+
+
+@settings(deadline=None, max_examples=60)
+@given(decays, decays, products)
+def test_pair_edges_bound_the_unstable_detunings(C_p: float, C_q: float, L: complex) -> None:
+    """For complex L too: neutral on the edges, unstable between, stable outside; closed where NaN."""
+    low, high = pair_edges(*map(np.array, (C_p, C_q, 4 * L)))
+    C_p, C_q, L = map(np.array, (C_p, C_q, 4 * L))
+    if np.isnan(low):
+        grid = np.linspace(-50, 50, 2001)
+        assert pair_growth(C_p, C_q, L, grid).max() < 1e-12
+        return
+    scale = 1 + abs(low) + abs(high)
+    assert pair_growth(C_p, C_q, L, low) == pytest.approx(0, abs=1e-12 * scale)
+    assert pair_growth(C_p, C_q, L, high) == pytest.approx(0, abs=1e-12 * scale)
+    width = high - low
+    if width > 1e-6:
+        assert pair_growth(C_p, C_q, L, 0.5 * (low + high)) > 0
+        for outside in (low - width, low - 0.01 * width, high + 0.01 * width, high + width):
+            assert pair_growth(C_p, C_q, L, outside) < 0
+
+
+@few
+@given(decays, decays, products.filter(lambda L: abs(L) + L.real > 0.01))
+def test_pair_tip_is_where_the_edges_meet(C_p: float, C_q: float, L: complex) -> None:
+    C_p, C_q, L = map(np.array, (C_p, C_q, L))
+    tip = pair_tip(C_p, C_q, L)
+    assert np.isfinite(pair_edges(C_p, C_q, (1.001 * tip) ** 2 * L)).all()
+    assert np.isnan(pair_edges(C_p, C_q, (0.999 * tip) ** 2 * L)).all()
+
+
+def test_pair_limits() -> None:
+    """One or both modes without damping."""
+    zero, one = np.array(0.0), np.array(1.0)
+    np.testing.assert_array_equal(pair_edges(zero, zero, np.array(4.0 + 0j)), (-2, 2))
+    np.testing.assert_array_equal(pair_edges(zero, zero, np.array(0j)), (0, 0))
+    np.testing.assert_array_equal(pair_edges(zero, zero, np.array(-4.0 + 0j)), (np.nan, np.nan))
+    np.testing.assert_array_equal(pair_edges(zero, zero, np.array(-4.0 + 1e-3j)), (-np.inf, np.inf))
+    np.testing.assert_array_equal(pair_edges(one, zero, np.array(4.0 + 0j)), (-np.inf, np.inf))
+    np.testing.assert_array_equal(pair_edges(one, zero, np.array(-4.0 + 0j)), (np.nan, np.nan))
+    np.testing.assert_array_equal(pair_edges(one, zero, np.array(0j)), (np.nan, np.nan))
+    np.testing.assert_array_equal(pair_edges(one, -one / 2, np.array(0j)), (-np.inf, np.inf))
+    tips = pair_tip(np.array([0.0, 0.0, 1.0, 1.0]), zero, np.array([4, -4, 4, -4], dtype=complex))
+    np.testing.assert_array_equal(tips, [0, np.inf, 0, np.inf])
+
+
+@few
+@given(decays, products.filter(lambda L: abs(L.imag) > 0.05))
+def test_half_damped_pair_with_complex_product_is_unstable_on_one_side(C: float, L: complex) -> None:
+    """The limit of both modes damped, and neutral on its one finite edge."""
+    C_p, nothing, L = np.array(C), np.array(0.0), np.array(L)
+    low, high = pair_edges(C_p, nothing, L)
+    assert np.isinf(low) != np.isinf(high)
+    edge, side = (high, -1) if np.isinf(low) else (low, 1)
+    assert pair_growth(C_p, nothing, L, edge) == pytest.approx(0, abs=1e-12)
+    assert pair_growth(C_p, nothing, L, edge + side * 0.1) > 0 > pair_growth(C_p, nothing, L, edge - side * 0.1)
+    nearly = pair_edges(C_p, np.array(1e-9), L)
+    assert nearly[0 if side == 1 else 1] == pytest.approx(float(edge), abs=1e-5)
+
+
+@few
+@given(decays, decays, st.floats(0.01, 1))
+def test_vanishing_damping_is_the_limit_of_damping(c_p: float, c_q: float, L: float) -> None:
+    """And not the undamped result."""
+    c_p, c_q, L = np.array(c_p), np.array(c_q), np.array(L + 0j)
+    limit = pair_edges_vanishing(c_p, c_q, L)
+    np.testing.assert_allclose(pair_edges(1e-6 * c_p, 1e-6 * c_q, L), limit, rtol=1e-6)
+    assert limit[1] == pytest.approx(float((c_p + c_q) / (2 * np.sqrt(c_p * c_q)) * np.sqrt(L.real)), rel=1e-12)
+    assert pair_slope(c_p, c_q, L) == pytest.approx(float(limit[1]), rel=1e-12)
+
+
+# --- systems with known answers --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.07])
+def test_mathieu(damping: float) -> None:
+    """Omega = 2 omega ± sqrt((eps / (2 omega))^2 - d^2) (docstring of `mathieu`)."""
+    omega, eps = 1.3, np.array([0.05, 0.3, 0.6])
+    (only,) = transition_curves(mathieu(omega**2, damping), EVERYTHING)
+    assert (only.p, only.q, only.j, only.kind, only.order, only.label) == (1, 1, 1, "sum", 1, "2ω₁")
+    assert only.centre == pytest.approx(2 * omega, rel=1e-14)
+    assert only.slope == pytest.approx(0.5 / omega, rel=1e-13)
+    assert only.tip == pytest.approx(2 * omega * damping, rel=1e-13)
+    with np.errstate(invalid="ignore"):
+        half = np.sqrt((eps / (2 * omega)) ** 2 - damping**2)
+    np.testing.assert_allclose(only.edges(eps), (2 * omega - half, 2 * omega + half), rtol=1e-13)
+
+
+@pytest.mark.parametrize("kind", ["sum", "difference"])
+def test_coupled_mathieu(kind: str) -> None:
+    """Docstring of `coupled_mathieu`; only the region of its kind is open."""
+    (w1, w2), b, (d1, d2) = (1.1, 1.9), 0.7, (0.01, 0.05)
+    centre = w1 + w2 if kind == "sum" else w2 - w1
+    label = "ω₁+ω₂" if kind == "sum" else "ω₂−ω₁"
+    L, eps = b**2 / (4 * w1 * w2), np.array([0.3, 0.5])
+    elastic = curve(coupled_mathieu(kind, (w1, w2), b), label)
+    damped = curve(coupled_mathieu(kind, (w1, w2), b, (d1, d2)), label)
+    np.testing.assert_allclose(elastic.edges(eps), (centre - eps * np.sqrt(L), centre + eps * np.sqrt(L)), rtol=1e-13)
+    half = (d1 + d2) / 2 * np.sqrt(eps**2 * L / (d1 * d2) - 1)
+    np.testing.assert_allclose(damped.edges(eps), (centre - half, centre + half), rtol=1e-12)
+    assert damped.tip == pytest.approx(np.sqrt(d1 * d2 / L), rel=1e-12)
+    assert damped.slope == pytest.approx((d1 + d2) / (2 * np.sqrt(d1 * d2)) * elastic.slope, rel=1e-12)
+    for system in (coupled_mathieu(kind, (w1, w2), b), coupled_mathieu(kind, (w1, w2), b, (d1, d2))):
+        for other in transition_curves(system, EVERYTHING):
+            assert (other.label == label) == np.isfinite(other.tip)
+
+
+def test_round_rotor_has_the_combination_region_only() -> None:
+    k, s = 4.0, 0.5
+    curves = {c.label: c for c in transition_curves(gyroscopic_rotor((k, k), s), EVERYTHING)}
+    assert curves["ω₁+ω₂"].slope == pytest.approx(0.5 / np.sqrt(k), rel=1e-13)  # as `mathieu`
+    assert curves["2ω₁"].slope == curves["2ω₂"].slope == 0.0
+    wider = curve(gyroscopic_rotor((k, k), s), "ω₁+ω₂", vanishing_damping=np.eye(2))
+    assert wider.slope / curves["ω₁+ω₂"].slope == pytest.approx(1 / np.sqrt(1 - s**2 / k), rel=1e-12)
+    assert wider.tip == 0.0
+
+
+def test_moving_string_references(references: dict[str, Any]) -> None:
+    """sqrt(L) of a moving string with pulsating tension; the sine series converges like n^-3 and is extrapolated."""
+    for speed, table in references["string_W"].items():
+        v = float(speed.removeprefix("v="))
+        coarse, fine = (
+            {(c.q, c.p): c.slope for c in transition_curves(moving_string(v, n), (0, 20), kinds=["sum"])}
+            for n in (40, 80)
+        )
+        for label, value in table.items():
+            p, q = map(int, label.split("+"))
+            extrapolated = fine[p, q] + (fine[p, q] - coarse[p, q]) / 7
+            assert extrapolated == pytest.approx(float(value), abs=5e-6), (speed, label)
+
+
+# --- references for the plate ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("case", "ratio", "speed", "tension"),
+    [
+        ("a/b=1 V=3 f0=10", 1.0, 3.0, 10.0),
+        ("a/b=2 V=2 f0=10", 2.0, 2.0, 10.0),
+    ],
+)
+def test_plate_references(references: dict[str, Any], case: str, ratio: float, speed: float, tension: float) -> None:
+    """Slopes to 1e-4, elastic and by the literal eq. (25); decay coefficients; zero width by symmetry, exactly."""
+    from plate import MovingPlate
+
+    plate = MovingPlate(aspect_ratio=ratio, speed=speed, tension=tension, axial_terms=14, lateral_terms=10)
+    modes = gyroscopic_modes(plate.at(1.0))
+    decay = [float(c) for c in references["moving_plate_membrane"][case]["c_p"]]
+    np.testing.assert_allclose(modes.decay_coefficients(plate.elastic_stiffness)[:3], decay, rtol=1e-5)
+    elastic, literal = (
+        {(c.q, c.p): c for c in transition_curves(plate, (0, 80), kinds=["sum"], vanishing_damping=D)}
+        for D in (None, plate.elastic_stiffness)
+    )
+    for label, expected in references["first_order_membrane"][case].items():
+        pair = tuple(map(int, label.split("+")))
+        assert elastic[pair].centre == pytest.approx(float(expected["centre"]), rel=1e-5)
+        assert elastic[pair].slope == pytest.approx(float(expected["sqrtL"]), rel=1e-4)
+        assert literal[pair].slope == pytest.approx(float(expected["paper25_alpha0"]), rel=1e-4)
+
+
+# --- against Floquet -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("label", ["2ω₁", "ω₁+ω₂", "2ω₂"])
+def test_growth_rate_error_is_of_second_order(label: str) -> None:
+    """Damped, inside the region, against Hill's determinant."""
+    eps = np.array([0.2, 0.1, 0.05])
+    error = []
+    for value in eps:
+        system = random_system(4, 2, damping=0.02 * value)
+        found = curve(system, label)
+        Omega = found.centre + 0.3 * found.slope * value
+        error.append(abs(found.growth_rate(Omega, value) - hill_growth(system, Omega, value)))
+    assert 1.9 < fitted_order(eps, np.array(error)) < 2.2
+
+
+@pytest.mark.parametrize("damping", [(0.0, 0.0), (0.01, 0.08)])
+def test_gap_is_of_second_order(damping: tuple[float, float]) -> None:
+    """Undamped edges against eq. (25) at c = eps alpha; unequal damping, so that mistaking one for the other shows."""
+    eps = np.array([0.2, 0.1, 0.05])
+    gap = []
+    for value in eps:
+        system = coupled_mathieu("sum", damping=np.array(damping) * value / eps[0])
+        found = curve(system, "ω₁+ω₂")
+        lower, upper = found.edges(value)
+        exact = hill_edges(system, found.centre, upper - lower, value, 0.0 if any(damping) else 1e-7)
+        gap.append(max(abs(lower - exact[0]), abs(upper - exact[1])))
+    assert 1.9 < fitted_order(eps, np.array(gap)) < 2.1
+
+
+def test_modes_of_one_frequency_act_together() -> None:
+    """Two equal oscillators, F = [[1, b], [b, 1]]: exactly Mathieu with eps (1 ± b), of which the wider one counts."""
+    b, zero = 0.5, np.zeros((2, 2))
+    T = np.array([[1.0, 0.4], [-0.3, 1.2]])
+    system = PeriodicSystem(np.eye(2), zero, zero, np.eye(2), [[[1.0, b], [b, 1.0]]])
+    for case in (system, congruent(system, T)):
+        for found in transition_curves(case, EVERYTHING, kinds=["sum"]):
+            assert found.slope == pytest.approx(0.5 * (1 + b), rel=1e-9)
+            np.testing.assert_allclose(found.edges(0.1), (2 - 0.05 * (1 + b), 2 + 0.05 * (1 + b)), rtol=1e-10)
+            assert found.tip == 0
+    alone = PeriodicSystem(np.eye(2), zero, zero, np.eye(2), [[[1.0, 0.0], [0.0, 3.0]]])
+    slopes = {c.label: c.slope for c in transition_curves(alone, EVERYTHING)}
+    assert slopes == pytest.approx({"2ω₁": 0.5, "ω₁+ω₂": 0.0, "2ω₂": 1.5}, rel=1e-12)
+
+
+def test_damped_modes_of_one_frequency_act_together() -> None:
+    """Damping d (1 + b / 10) and d (1 - b / 10) in the directions x1 ± x2: Mathieu's tip 2 omega d / (1 + b)."""
+    b, d, zero = 0.5, 0.02, np.zeros((2, 2))
+    C = d * np.array([[1.0, 0.1 * b], [0.1 * b, 1.0]])
+    system = PeriodicSystem(np.eye(2), zero, C, np.eye(2), [[[1.0, b], [b, 1.0]]])
+    found = curve(system, "ω₁+ω₂")
+    decay, force = d * (1 + 0.1 * b), 1 + b
+    assert found.tip == pytest.approx(2 * decay / force, rel=1e-8)
+    half = np.sqrt((0.1 * force / 2) ** 2 - decay**2)
+    np.testing.assert_allclose(found.edges(0.1), (2 - half, 2 + half), rtol=1e-9)
+    assert found.slope == pytest.approx(force / 2, rel=1e-6)
+    np.testing.assert_array_equal(found.edges(0.9 * found.tip), (np.nan, np.nan))
+
+
+# --- invariances -----------------------------------------------------------------------------------------------------
+
+
+@few
+@given(seeds, st.floats(0.1, 10))
+def test_unit_of_time(seed: int, unit: float) -> None:
+    """t = unit t': frequencies, slopes and growth rates scale, tips do not."""
+    system = random_system(seed, 2, damping=0.01)
+    other = changed(
+        system, mass=system.mass / unit**2, gyroscopic=system.gyroscopic / unit, damping=system.damping / unit
+    )
+    for here, there in zip(transition_curves(system, EVERYTHING), transition_curves(other, EVERYTHING), strict=True):
+        assert there.label == here.label
+        assert there.tip == pytest.approx(here.tip, rel=1e-9)
+        for name in ("centre", "slope"):
+            assert getattr(there, name) == pytest.approx(unit * getattr(here, name), rel=1e-9)
+        growth = here.growth_rate(here.centre, 0.3)
+        assert there.growth_rate(there.centre, 0.3) == pytest.approx(unit * growth, rel=1e-9, abs=1e-12)
+
+
+@few
+@given(seeds)
+def test_sign_of_eps_decides_nothing(seed: int) -> None:
+    for found in transition_curves(random_system(seed, 3, symmetric=False, damping=0.01), EVERYTHING):
+        np.testing.assert_array_equal(found.edges(-0.2), found.edges(0.2))
+
+
+def test_no_difference_type_for_symmetric_excitation() -> None:
+    for damping in (0.0, 0.1):
+        for found in transition_curves(random_system(7, 4, damping=damping), EVERYTHING, kinds=["difference"]):
+            assert (found.slope, found.tip) == (0.0, np.inf)
+            assert np.isnan(found.edges([0.0, 0.1, 10.0])).all()
+
+
+# --- the list --------------------------------------------------------------------------------------------------------
+
+
+def test_lists_every_resonance_of_the_range_once() -> None:
+    system = random_system(8, 4, harmonics=3)
+    omega = gyroscopic_modes(system).frequencies
+    expected = set()
+    low, high = 0.5, 3.0
+    for j in (1, 2, 3):
+        for p in range(4):
+            for q in range(p + 1):
+                if low <= (omega[p] + omega[q]) / j <= high:
+                    expected.add((p + 1, q + 1, j, "sum"))
+                if p > q and low <= (omega[p] - omega[q]) / j <= high:
+                    expected.add((p + 1, q + 1, j, "difference"))
+    curves = transition_curves(system, (low, high))
+    assert {(c.p, c.q, c.j, c.kind) for c in curves} == expected
+    assert len(curves) == len(expected)
+    centres = [c.centre for c in curves]
+    assert centres == sorted(centres)
+    sums = transition_curves(system, (low, high), kinds=("sum",))
+    assert {(c.p, c.q, c.j) for c in sums} == {key[:3] for key in expected if key[3] == "sum"}
+
+
+def test_equal_frequencies_have_no_difference() -> None:
+    labels = [c.label for c in transition_curves(coupled_mathieu(frequencies=(1.2, 1.2)), EVERYTHING)]
+    assert labels == ["2ω₁", "ω₁+ω₂", "2ω₂"]
+
+
+def test_labels() -> None:
+    curves = transition_curves(random_system(9, 12, harmonics=2), EVERYTHING)
+    labels = {(c.p, c.q, c.j, c.kind): c.label for c in curves}
+    assert labels[1, 1, 1, "sum"] == "2ω₁"
+    assert labels[3, 1, 1, "sum"] == "ω₁+ω₃"
+    assert labels[3, 1, 1, "difference"] == "ω₃−ω₁"
+    assert labels[1, 1, 2, "sum"] == "2ω₁/2"
+    assert labels[12, 1, 2, "sum"] == "(ω₁+ω₁₂)/2"
+    assert labels[12, 10, 2, "difference"] == "(ω₁₂−ω₁₀)/2"
+    assert len(set(labels.values())) == len(labels)
+
+
+def test_higher_harmonics_open_regions_at_fractions() -> None:
+    """Harmonic j of Meissner's excitation: centre 2 omega / j, half width |F_cj| / (2 omega j); none for even j."""
+    for found in transition_curves(meissner(1.44, harmonics=5), EVERYTHING):
+        amplitude = 4 / (np.pi * found.j) if found.j % 2 else 0.0
+        assert found.centre == pytest.approx(2.4 / found.j, rel=1e-13)
+        assert found.slope == pytest.approx(amplitude / (2 * 1.2 * found.j), rel=1e-13)
+        assert found.tip == (0.0 if found.j % 2 else np.inf)
+
+
+def test_a_family_is_taken_at_the_centre_of_each_region() -> None:
+    class Family:
+        def at(self, Omega: float) -> PeriodicSystem:
+            return changed(coupled_mathieu(), cosine=[Omega**2 * np.ones((2, 2))])
+
+    constant = changed(coupled_mathieu(), cosine=[np.ones((2, 2))])
+    for found, unit in zip(
+        transition_curves(Family(), EVERYTHING), transition_curves(constant, EVERYTHING), strict=True
+    ):
+        assert found.slope == pytest.approx(found.centre**2 * unit.slope, rel=1e-12)
+
+
+def test_edges_keep_the_shape_of_eps() -> None:
+    found = curve(mathieu(1.0, 0.05), "2ω₁")
+    for eps in (0.2, [0.2], [[0.05, 0.2], [0.3, 0.4]], np.zeros((2, 0))):
+        lower, upper = found.edges(eps)
+        assert np.shape(lower) == np.shape(upper) == np.shape(eps)
+    assert np.isnan(found.edges(0.05)).all()
+    assert found.growth_rate([[1.9], [2.0]], [0.1, 0.2, 0.3]).shape == (2, 3)
+
+
+# --- refusals --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        ({"family": None}, r"^family is of type NoneType"),
+        ({"family": np.eye(2)}, r"^family is of type ndarray"),
+        ({"family": mathieu(-1.0)}, r"^stiffness has the lowest eigenvalue -1;"),
+        ({"Omega_range": 3.0}, r"^Omega_range"),
+        ({"Omega_range": (1.0, 2.0, 3.0)}, r"^Omega_range"),
+        ({"Omega_range": (2.0, 1.0)}, r"^Omega_range"),
+        ({"Omega_range": (-1.0, 1.0)}, r"^Omega_range\[0\]"),
+        ({"Omega_range": (0.0, np.inf)}, r"^Omega_range\[1\]"),
+        ({"Omega_range": (np.nan, 1.0)}, r"^Omega_range\[0\]"),
+        ({"Omega_range": ("a", "b")}, r"^Omega_range\[0\]"),
+        ({"order": 0}, r"^order = 0"),
+        ({"order": 3}, r"^order = 3"),
+        ({"order": 1.0}, r"^order = 1\.0"),
+        ({"order": True}, r"^order = True"),
+        ({"order": "1"}, r"^order = '1'"),
+        ({"kinds": "sum"}, r"^kinds = 'sum' is not a sequence"),
+        ({"kinds": None}, r"^kinds = None"),
+        ({"kinds": ()}, r"^kinds = \(\)"),
+        ({"kinds": ("sum", "product")}, r"^kinds = 'product'"),
+        ({"kinds": ("sum", "sum")}, r"^kinds = .*repeats"),
+        ({"kinds": (1,)}, r"^kinds = 1"),
+        ({"vanishing_damping": np.eye(3)}, r"^vanishing_damping has shape \(3, 3\)"),
+        ({"vanishing_damping": 1.0}, r"^vanishing_damping has shape"),
+        ({"vanishing_damping": [[1.0, 0.0], [0.5, 1.0]]}, r"^vanishing_damping is not symmetric"),
+        ({"vanishing_damping": -np.eye(2)}, r"^vanishing_damping makes a mode grow"),
+        ({"vanishing_damping": np.full((2, 2), np.nan)}, r"^vanishing_damping has the entry nan"),
+        ({"vanishing_damping": np.eye(2), "order": 2}, r"^vanishing_damping is for undamped systems at order = 1"),
+        (
+            {"vanishing_damping": np.eye(2), "family": coupled_mathieu(damping=(0.1, 0.1))},
+            r"^vanishing_damping is for undamped systems",
+        ),
+        ({"family": changed(coupled_mathieu(), damping=np.diag([0.1, -0.2]))}, r"^damping makes mode 2 grow"),
+    ],
+)
+def test_bad_arguments_are_named(options: dict[str, Any], says: str) -> None:
+    arguments: dict[str, Any] = {"family": coupled_mathieu(), "Omega_range": (0.0, 5.0)} | options
+    with pytest.raises(ValueError, match=says):
+        transition_curves(**arguments)
+
+
+def test_a_family_must_return_systems() -> None:
+    class Family:
+        def at(self, Omega: float) -> float:
+            return Omega
+
+    with pytest.raises(ValueError, match=r"^family\.at\(5\.0\) is of type float"):
+        transition_curves(Family(), (0.0, 5.0))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("bad", [None, "0.1", 0.1j, np.nan, [0.1, np.inf], [[0.1], [0.1, 0.2]]])
+def test_curves_refuse_bad_eps_and_Omega(bad: Any) -> None:
+    found = curve(mathieu(), "2ω₁")
+    with pytest.raises(ValueError, match=r"^eps "):
+        found.edges(bad)
+    with pytest.raises(ValueError, match=r"^Omega "):
+        found.growth_rate(bad, 0.1)
+    with pytest.raises(ValueError, match=r"^eps "):
+        found.growth_rate(2.0, bad)
+
+
+def test_growth_rate_names_both_shapes() -> None:
+    with pytest.raises(ValueError, match=r"^Omega has shape \(3,\) and eps \(2,\)"):
+        curve(mathieu(), "2ω₁").growth_rate([1.0, 2.0, 3.0], [0.1, 0.2])
