@@ -160,7 +160,7 @@ class _Route:
     def __init__(self, family: SystemFamily, resonance: Resonance) -> None:
         self.family = family
         self.resonance = resonance
-        blocks = reduce_system(family.at(resonance.centre), 1.0, resonance.centre)
+        blocks = reduce_system(family.at(resonance.centre), 1.0, resonance.centre / (2 * np.pi))
         first, second = (_home(blocks, vector) for vector in resonance.vectors.T)
         self.coupled = first is second
         self.latest: tuple[PeriodicSystem, float, Reduction] | None = None
@@ -242,7 +242,7 @@ class _Route:
         """Return the block of the pair; computed anew only if the system or eps has changed."""
         member = self.family.at(Omega)
         if self.latest is None or self.latest[0] is not member or self.latest[1] != eps:
-            blocks = reduce_system(member, eps, self.resonance.centre)
+            blocks = reduce_system(member, eps, self.resonance.centre / (2 * np.pi))
             self.latest = (member, eps, _home(blocks, self.resonance.vectors[:, 0]))
         return self.latest[2]
 

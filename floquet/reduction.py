@@ -56,8 +56,8 @@ def reduce_system(system: PeriodicSystem, eps: float, slowest: float) -> list[Re
 
     With modes of the symmetric part of the stiffness, mass-normalised, W = modes @ (y1 / w) and W' = modes @ y2. The
     scales w are the square roots of the moduli of the eigenvalues: a conservative motion is nearly a rotation of
-    (y1, y2), and the monodromy matrix as well-conditioned as can be. ``slowest`` > 0 is the scale of coordinates that
-    have less stiffness than that.
+    (y1, y2), and the monodromy matrix as well-conditioned as can be. ``slowest`` > 0 is the scale of coordinates without
+    stiffness.
     """
     constant = np.array([system.mass, system.gyroscopic, system.damping, system.stiffness])
     matrices = np.concatenate([constant, eps * system.cosine, eps * system.sine])
@@ -148,10 +148,12 @@ def _reduce(matrices: FloatArray, basis: FloatArray, slowest: float) -> Reductio
     _, modes = sla.eigh(K, M)
     # Rayleigh quotients: eigh gives every eigenvalue to rounding of the largest, these are good to their own rounding
     k = np.einsum("ij,ij->j", modes, K @ modes) / np.einsum("ij,ij->j", modes, M @ modes)
-    w = np.maximum(np.sqrt(np.abs(k)), slowest)
     damping = modes.T @ (G + C) @ modes
-    asymmetry = modes.T @ skew @ modes / w
-    excitation = modes.T @ forces[1:] @ modes / w
+    asymmetry = modes.T @ skew @ modes
+    excitation = modes.T @ forces[1:] @ modes
+    w = _scales(k, excitation, slowest)
+    asymmetry /= w
+    excitation /= w
     if symmetric:
         excitation -= asymmetry[1:]
     alpha, beta, B = _forcing(np.zeros_like(asymmetry[0]) if symmetric else asymmetry[0], excitation)
@@ -171,6 +173,13 @@ def _reduce(matrices: FloatArray, basis: FloatArray, slowest: float) -> Reductio
         reciprocal=not C.any() and (symmetric or not (G.any() or sines.any())),
         form=_symplectic_form(w, damping) if symmetric and not C.any() else None,
     )
+
+
+def _scales(k: FloatArray, excitation: FloatArray, slowest: float) -> FloatArray:
+    """Return w (m,): frequencies, but not below what the excitation alone would cause, up to ``slowest``."""
+    driven = np.sqrt(np.abs(np.diagonal(excitation, axis1=1, axis2=2)).sum(axis=0))
+    w = np.maximum(np.sqrt(np.abs(k)), np.minimum(driven, slowest))
+    return np.where(w > 0, w, slowest)
 
 
 def _symplectic_form(w: FloatArray, gyroscopic: FloatArray) -> FloatArray:

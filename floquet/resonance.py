@@ -94,7 +94,7 @@ def _oscillations(system: PeriodicSystem, near: float) -> tuple[NDArray[np.compl
     blocks no mixture is formed.
     """
     exponents, modes = [], []
-    for block in reduce_system(system, 1.0, near):
+    for block in reduce_system(system, 1.0, near / (2 * np.pi)):
         values, vectors = sla.eig(constant_matrix(block.equations))
         oscillating = values.imag > SLOWEST * np.abs(values).max()
         exponents.append(values[oscillating])
