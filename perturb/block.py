@@ -28,18 +28,21 @@ class Exponents(NamedTuple):
     """What the exponents of a block say at each x."""
 
     growth: FloatArray  # largest real part
-    shared: NDArray[np.bool_]  # the fastest growing solution belongs to the pair
+    own: FloatArray  # largest real part of the solutions that belong to the pair
     above: NDArray[np.bool_]  # the exponent of the first state lies above that of the second
 
 
 def block_interval(block: EffectiveBlock, eps: float) -> tuple[float, float]:
-    """Return the interval of x = Omega - centre in which the first two states of ``block`` are unstable together.
+    """Return the unstable interval of x = Omega - centre in which a solution of the pair grows.
+
+    The pair are the first two states of ``block``. A region of another pair that has merged with theirs is part of the
+    interval.
 
     Returns
     -------
     lower, upper : float
         NaN if there is none; infinite where it reaches the end of the window in which the pair can be in resonance.
-        Where several belong to the pair, the one with the fastest growth.
+        Of several intervals the one with the fastest growth of the pair.
     """
     strength = np.abs(block.powers[0]) + abs(eps) * np.abs(block.powers[1]) + eps**2 * np.abs(block.powers[2])
     reach = float(strength.sum(axis=1).max())  # no exponent moves further than this (Gershgorin)
@@ -53,26 +56,26 @@ def block_interval(block: EffectiveBlock, eps: float) -> tuple[float, float]:
     at = _exponents(block, x, eps)
     unstable = np.concatenate([[False], at.growth > threshold, [False]])
     first, stop = np.flatnonzero(unstable[1:] & ~unstable[:-1]), np.flatnonzero(unstable[:-1] & ~unstable[1:])
-    own = [(a, b) for a, b in zip(first, stop, strict=True) if at.shared[a:b].any()]
-    if not own:
+    strongest = [float(at.own[a:b].max()) for a, b in zip(first, stop, strict=True)]
+    if max(strongest, default=0.0) <= threshold:
         return np.nan, np.nan
-    a, b = max(own, key=lambda run: at.growth[slice(*run)].max())
+    chosen = int(np.argmax(strongest))
+    a, b = first[chosen], stop[chosen]
     lower = -np.inf if a == 0 else _bisect(block, eps, threshold, stable=x[a - 1], unstable=x[a])
     upper = np.inf if b == len(x) else _bisect(block, eps, threshold, stable=x[b], unstable=x[b - 1])
     return lower, upper
 
 
 def _exchanges(block: EffectiveBlock, x: FloatArray, eps: float, threshold: float) -> FloatArray:
-    """Return unstable points between stable neighbours in ``x``, where the exponents of the pair change places."""
-    at = _exponents(block, x, eps)
-    stable = at.growth <= threshold
-    left = np.flatnonzero(stable[:-1] & stable[1:] & (at.above[:-1] != at.above[1:]))
+    """Return points between those of ``x`` at which the exponents of the pair change places and one of them grows."""
+    above = _exponents(block, x, eps).above
+    left = np.flatnonzero(above[:-1] != above[1:])
     low, high, found = x[left], x[left + 1], np.full(len(left), np.nan)
     for _ in range(BISECTIONS if len(left) else 0):
         middle = 0.5 * (low + high)
-        between = _exponents(block, middle, eps)
-        found = np.where(between.growth > threshold, middle, found)
-        same = between.above == at.above[left]
+        at = _exponents(block, middle, eps)
+        found = np.where(at.own > threshold, middle, found)
+        same = at.above == above[left]
         low, high = np.where(same, middle, low), np.where(same, high, middle)
     return found[~np.isnan(found)]
 
@@ -80,14 +83,14 @@ def _exchanges(block: EffectiveBlock, x: FloatArray, eps: float, threshold: floa
 def _exponents(block: EffectiveBlock, x: FloatArray, eps: float) -> Exponents:
     values, vectors = np.linalg.eig(block.matrix(x, np.full_like(x, eps)))
     share = np.abs(vectors) ** 2  # [..., state, exponent]
-    fastest = np.argmax(values.real, axis=-1)
-    of_fastest = np.take_along_axis(share, fastest[:, None, None], axis=-1)[..., 0] @ block.same
-    others = ~block.same[:, :2].any(axis=1)
+    of_level = block.same @ share
+    others = ~block.same[:2].any(axis=0)
+    own = of_level[:, :2].min(axis=1) >= TIE * of_level[:, others].max(axis=1, initial=0.0)
     strongest = np.argmax(share[:, :2], axis=-1)  # the exponent each state of the pair takes part in most
     height = np.take_along_axis(values.imag, strongest, axis=-1)
     return Exponents(
         growth=values.real.max(axis=-1),
-        shared=of_fastest[:, :2].min(axis=-1) >= TIE * of_fastest[:, others].max(axis=-1, initial=0.0),
+        own=np.where(own, values.real, -np.inf).max(axis=-1),
         above=height[:, 0] > height[:, 1],
     )
 

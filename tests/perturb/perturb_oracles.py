@@ -53,11 +53,10 @@ def moving_string(v: float, n: int) -> PeriodicSystem:
     return PeriodicSystem(np.eye(n) / 2, 2 * v * slope, np.zeros((n, n)), (1 - v**2) * bending, [bending])
 
 
-def hill_growth(system: PeriodicSystem, Omega: float, eps: float, cut: int = 9) -> float:
-    """Largest growth rate by Hill's method: eigenvalues of the Fourier-transformed first-order equations.
+def hill_exponents(system: PeriodicSystem, Omega: float, eps: float, cut: int = 9) -> np.ndarray:
+    """Floquet exponents lambda + i k Omega by Hill's method: the Fourier-transformed first-order equations.
 
-    In physical coordinates and harmonics -cut..cut; of the exponents lambda + i k Omega those in the middle strip,
-    which the cut hardly touches.
+    In physical coordinates and harmonics -cut..cut; those in the middle strips are hardly touched by the cut.
     """
     n, J, count = system.size, system.harmonics, 2 * cut + 1
     inverse = np.linalg.inv(system.mass)
@@ -73,12 +72,17 @@ def hill_growth(system: PeriodicSystem, Omega: float, eps: float, cut: int = 9) 
         push = np.zeros((2 * n, 2 * n), dtype=complex)
         push[n:, :n] = -0.5 * eps * inverse @ (system.cosine[j - 1] - 1j * system.sine[j - 1])
         hill = hill + np.kron(np.eye(count, k=-j), push) + np.kron(np.eye(count, k=j), push.conj())
-    values = np.linalg.eigvals(hill)
+    return np.linalg.eigvals(hill)
+
+
+def hill_growth(system: PeriodicSystem, Omega: float, eps: float, cut: int = 9) -> float:
+    """Largest growth rate by `hill_exponents`, from the middle strip."""
+    values = hill_exponents(system, Omega, eps, cut)
     return float(values[np.abs(values.imag) <= 0.51 * Omega].real.max())
 
 
 def hill_edges(
-    system: PeriodicSystem, inside: float, reach: float, eps: float, threshold: float = 1e-7
+    system: PeriodicSystem, inside: float, reach: float, eps: float, threshold: float = 1e-7, cut: int = 9
 ) -> tuple[float, float]:
     """Edges of the unstable interval around ``inside`` by bisection on `hill_growth`; stable at inside ± reach.
 
@@ -88,10 +92,10 @@ def hill_edges(
     edges = []
     for side in (-1, 1):
         unstable, stable = inside, inside + side * reach
-        assert hill_growth(system, unstable, eps) > threshold >= hill_growth(system, stable, eps)
-        while abs(stable - unstable) > 1e-12:
+        assert hill_growth(system, unstable, eps, cut) > threshold >= hill_growth(system, stable, eps, cut)
+        while abs(stable - unstable) > 1e-11:
             middle = 0.5 * (stable + unstable)
-            if hill_growth(system, middle, eps) > threshold:
+            if hill_growth(system, middle, eps, cut) > threshold:
                 unstable = middle
             else:
                 stable = middle

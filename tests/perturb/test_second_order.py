@@ -1,0 +1,308 @@
+"""Second-order transition curves: exact series, order of the error, second-order regions, near-degenerate blocks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from perturb_oracles import (
+    changed,
+    congruent,
+    fitted_order,
+    hill_edges,
+    hill_exponents,
+    hill_growth,
+    random_system,
+)
+from scipy.optimize import brentq
+from scipy.special import mathieu_a, mathieu_b
+
+from periodic import PeriodicSystem
+from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu, meissner
+from perturb import TransitionCurve, gyroscopic_modes, transition_curves
+from perturb.expansion import LARGEST_BLOCK, NEAR, effective_block, modal_couplings
+
+EVERYTHING = (0.0, 1e6)
+seeds = st.integers(0, 10**6)
+few = settings(deadline=None, max_examples=10)
+
+
+def curves(family: Any, Omega_range: tuple[float, float] = EVERYTHING, **options: Any) -> dict[str, TransitionCurve]:
+    return {c.label: c for c in transition_curves(family, Omega_range, order=2, **options)}
+
+
+def gaps(system: Any, label: str, eps: np.ndarray, **hill: Any) -> np.ndarray:
+    """Largest distance of the two edges from those of Hill's determinant."""
+    found = curves(system)[label]
+    result = []
+    for value in eps:
+        lower, upper = found.edges(value)
+        exact = hill_edges(system, 0.5 * (lower + upper), upper - lower, value, **hill)
+        result.append(max(abs(lower - exact[0]), abs(upper - exact[1])))
+    return np.array(result)
+
+
+# --- Mathieu ---------------------------------------------------------------------------------------------------------
+
+
+def test_mathieu_edges_are_the_series_to_second_order() -> None:
+    """n = 1: a = 1 ± q - q^2/8 is Omega = 2 ± eps/2 - eps^2/32; n = 2: delta = 1 + 5 e^2/12, 1 - e^2/12 at Omega = 1 is
+    Omega = 1 - 5 eps^2/24, 1 + eps^2/24 at delta = 1 (DLMF 28.6.2, 28.6.5, 28.6.6; Abramowitz and Stegun 20.2.25)."""
+    eps = np.array([0.01, 0.1, 0.3])
+    found = curves(mathieu(1.0))
+    np.testing.assert_allclose(
+        found["2ω₁"].edges(eps), (2 - eps / 2 - eps**2 / 32, 2 + eps / 2 - eps**2 / 32), rtol=1e-14
+    )
+    tongue = found["2ω₁/2 (2nd)"]
+    assert (tongue.j, tongue.interaction, tongue.slope, tongue.tip) == (2, 2, 0.0, 0.0)
+    np.testing.assert_allclose(tongue.edges(eps), (1 - 5 * eps**2 / 24, 1 + eps**2 / 24), rtol=1e-14)
+
+
+def mathieu_edges(n: int, eps: float) -> tuple[float, float]:
+    """Exact edges in Omega of the n-th region at delta = 1: a = 4 / Omega^2, q = 2 eps / Omega^2."""
+
+    def edge(characteristic: Callable[[int, float], float]) -> float:
+        return brentq(lambda Omega: characteristic(n, 2 * eps / Omega**2) - 4 / Omega**2, 1.6 / n, 2.4 / n, xtol=1e-14)
+
+    a, b = edge(mathieu_a), edge(mathieu_b)
+    return min(a, b), max(a, b)
+
+
+@pytest.mark.parametrize(("label", "n", "order"), [("2ω₁", 1, 3), ("2ω₁/2 (2nd)", 2, 4)])
+def test_mathieu_gap(label: str, n: int, order: int) -> None:
+    """Third order; for n = 2 fourth, as eps -> -eps is a shift of time that leaves each edge of even n where it is."""
+    eps = np.array([0.1, 0.05, 0.025])
+    found = curves(mathieu(1.0))[label]
+    exact = np.array([mathieu_edges(n, value) for value in eps]).T
+    gap = np.abs(np.array(found.edges(eps)) - exact)
+    for edge in gap:
+        assert order - 0.15 < fitted_order(eps, edge) < order + 0.15
+
+
+def test_damped_second_order_region_of_mathieu_opens_at_its_tip() -> None:
+    damping = 0.005
+    system = mathieu(1.0, damping)
+    tongue = curves(system)["2ω₁/2 (2nd)"]
+    # width of the undamped region eps^2 / 4 in 2 Omega: growth eps^2 / 8 against damping / 2
+    assert tongue.tip == pytest.approx(2 * np.sqrt(damping), rel=0.01)
+    assert np.isnan(tongue.edges(0.999 * tongue.tip)).all()
+    lower, upper = tongue.edges(1.02 * tongue.tip)
+    for part, sign in ((0.98, -1), (1.02, 1)):
+        assert sign * hill_growth(system, 0.5 * (lower + upper), part * tongue.tip) > 0
+
+
+# --- the order of the error ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("system", "label", "order"),
+    [
+        (coupled_mathieu("sum"), "ω₁+ω₂", 3),
+        (coupled_mathieu("sum"), "2ω₁/2 (2nd)", 4),
+        (gyroscopic_rotor((4.0, 9.0), 0.8), "2ω₁", 3),
+        (gyroscopic_rotor((4.0, 9.0), 0.8), "ω₁+ω₂", 3),
+        (gyroscopic_rotor((4.0, 4.0), 0.5), "ω₁+ω₂", 3),
+        (random_system(15, 2, harmonics=2), "2ω₁", 3),
+        (random_system(15, 2, harmonics=2), "(ω₁+ω₂)/2", 3),
+        (random_system(15, 2, harmonics=2), "2ω₂/3 (2nd)", 3),
+    ],
+)
+def test_gap_is_of_third_order(system: PeriodicSystem, label: str, order: int) -> None:
+    """Of fourth order where a single cosine makes the edges even in eps."""
+    eps = np.array([0.16, 0.08, 0.04]) if system.harmonics == 1 else np.array([0.08, 0.04, 0.02])
+    measured = fitted_order(eps, gaps(system, label, eps, cut=6))
+    assert order - 0.15 < measured < order + 0.15
+
+
+@pytest.mark.parametrize("label", ["2ω₁", "ω₁+ω₂", "2ω₂"])
+def test_gap_with_damping_is_of_third_order(label: str) -> None:
+    """Full damping matrix, c = eps alpha: the cross terms of damping and excitation count."""
+    eps = np.array([0.16, 0.08, 0.04])
+    gap = []
+    for value in eps:
+        system = random_system(12, 2, damping=0.15 * value)
+        gap += gaps(system, label, np.array([value]), cut=6, threshold=0.0).tolist()
+    assert 2.85 < fitted_order(eps, np.array(gap)) < 3.15
+
+
+class Drifting:
+    """A family whose excitation depends on Omega."""
+
+    def __init__(self, base: PeriodicSystem) -> None:
+        self.base = base
+
+    def at(self, Omega: float) -> PeriodicSystem:
+        return changed(self.base, cosine=(1 + 0.3 * Omega**2) * self.base.cosine, sine=self.base.sine / (1 + Omega))
+
+
+@pytest.mark.parametrize("label", ["2ω₁", "ω₁+ω₂"])
+def test_gap_of_a_family_is_of_third_order(label: str) -> None:
+    """The shift of the excitation from the centre to the edge is of second order and must be in."""
+    family = Drifting(random_system(13, 2))
+    eps = np.array([0.08, 0.04, 0.02])
+    found = curves(family)[label]
+    gap = []
+    for value in eps:
+        for edge in found.edges(value):
+            system = family.at(edge)
+            exact = hill_edges(system, found.centre + 0.5 * (edge - found.centre), 2 * value, value, cut=6)
+            gap.append(abs(edge - exact[int(edge > found.centre)]))
+    # The edge of the system frozen at our edge differs from the edge of the family in proportion to the gap itself.
+    for side in (0, 1):
+        assert 2.85 < fitted_order(eps, np.array(gap[side::2])) < 3.15
+
+
+@few
+@given(seeds, st.booleans(), st.sampled_from([0.0, 0.3]))
+def test_exponents_of_the_effective_matrix_are_of_third_order(seed: int, symmetric: bool, damping: float) -> None:
+    """All resonances of a random system, blocks included, against the exponents of Hill's determinant."""
+    eps = np.array([0.04, 0.02])
+    system = random_system(seed, 2, harmonics=2, symmetric=symmetric)
+    modes = gyroscopic_modes(system)
+    for found in transition_curves(system, EVERYTHING, order=2):
+        partner = found.q - 1 + (2 if found.kind == "sum" else 0)
+        pair = [(found.p - 1, 0), (partner, -found.j)]
+        worst = []
+        for value in eps:
+            damped = changed(system, damping=damping * value * random_system(seed, 2, damping=1.0).damping)
+            block = effective_block(modal_couplings(modes, damped), pair, found.centre, order=2)
+            x = 0.2 * value
+            ours = np.linalg.eigvals(block.matrix(np.array(x), np.array(value))) + 1j * modes.frequencies[found.p - 1]
+            exact = hill_exponents(damped, found.centre + x, value, cut=12)
+            worst.append(max(np.abs(exact - exponent).min() for exponent in ours))
+        # Halving eps divides the error by 8; near a coalescence of exponents by less, and it may already be rounding.
+        assert worst[1] < worst[0] / 5 + 1e-9
+
+
+# --- near-degenerate states ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("detuning", [0.0, 1e-9, 1e-5, 1e-3, 0.02, 0.06])
+def test_a_third_state_in_resonance_does_no_harm(detuning: float) -> None:
+    """omega_2 = 3 omega_1 (1 + detuning): at Omega = 2 omega_1 also omega_2 - omega_1 is in resonance. The error keeps
+    its size through exact resonance, where the plain second-order sum would divide by zero."""
+    zero = np.zeros((2, 2))
+    K = np.diag([1.0, 9.0 * (1 + detuning) ** 2])
+    system = PeriodicSystem(np.eye(2), zero, zero, K, [[[1.0, 0.8], [0.8, 1.0]]])
+    found = curves(system)["2ω₁"]
+    assert len(found.resonance.block.states) == 4
+    eps = 0.08
+    assert gaps(system, "2ω₁", np.array([eps]), cut=8)[0] < 0.1 * eps**3
+    Omega = np.linspace(1.93, 2.07, 15)
+    exact = [hill_growth(system, value, eps) for value in Omega]
+    # Growth rates rise like the square root of the distance from an edge: of the order of eps^3 but next to one.
+    np.testing.assert_allclose(found.growth_rate(Omega, eps), exact, atol=0.2 * eps**3)
+
+
+def test_blocks_stay_small_and_divide_by_nothing_small() -> None:
+    """A chain of resonances without end: frequencies 1, 3, 5, ... with a full excitation matrix."""
+    n = 20
+    K = np.diag((2.0 * np.arange(n) + 1) ** 2)
+    zero = np.zeros((n, n))
+    system = PeriodicSystem(np.eye(n), zero, zero, K, [np.ones((n, n))])
+    block = curves(system, (1.9, 2.1))["2ω₁"].resonance.block
+    assert len(block.states) == LARGEST_BLOCK
+    couplings = modal_couplings(gyroscopic_modes(system), system)
+    largest = np.abs(couplings.E).max()
+    assert np.abs(block.powers[2]).max() <= 2 * n * largest**2 / (NEAR * 2.0)
+    assert np.isfinite(block.powers).all()
+
+
+def test_modes_of_one_frequency_are_exact_mathieu_equations() -> None:
+    """F = [[1, b], [b, 1]] on two equal oscillators: Mathieu with eps (1 + b), to second order as in the series."""
+    b, eps, zero = 0.5, 0.1, np.zeros((2, 2))
+    T = np.array([[1.0, 0.4], [-0.3, 1.2]])
+    system = PeriodicSystem(np.eye(2), zero, zero, np.eye(2), [[[1.0, b], [b, 1.0]]])
+    e = eps * (1 + b)
+    for case in (system, congruent(system, T)):
+        found = curves(case, kinds=["sum"])
+        for label in ("2ω₁", "ω₁+ω₂", "2ω₂"):
+            np.testing.assert_allclose(
+                found[label].edges(eps), (2 - e / 2 - e**2 / 32, 2 + e / 2 - e**2 / 32), rtol=1e-11
+            )
+        for label in ("2ω₁/2 (2nd)", "(ω₁+ω₂)/2 (2nd)", "2ω₂/2 (2nd)"):
+            np.testing.assert_allclose(found[label].edges(eps), (1 - 5 * e**2 / 24, 1 + e**2 / 24), rtol=1e-11)
+
+
+# --- the list --------------------------------------------------------------------------------------------------------
+
+
+def test_second_order_adds_the_sums_of_two_harmonics() -> None:
+    """Meissner with harmonics 1, 3 (and an empty 2): regions 1, 3 directly, 2, 4, 6 by two interactions; no 5."""
+    found = curves(meissner(1.0, harmonics=3))
+    assert {c.j: c.interaction for c in found.values()} == {1: 1, 2: 2, 3: 1, 4: 2, 6: 2}
+    assert {c.label for c in found.values() if c.interaction == 2} == {"2ω₁/2 (2nd)", "2ω₁/4 (2nd)", "2ω₁/6 (2nd)"}
+    for region in found.values():
+        assert region.tip == 0
+        assert (region.slope > 0) == (region.interaction == 1)
+
+
+def test_first_and_second_order_part_with_eps_squared() -> None:
+    system = random_system(14, 3, damping=0.0)
+    first = {c.label: c for c in transition_curves(system, EVERYTHING, kinds=["sum"])}
+    eps = np.array([0.02, 0.01, 0.005])
+    for label, second in curves(system, kinds=["sum"]).items():
+        if second.interaction == 1:
+            apart = np.abs(np.array(second.edges(eps)) - first[label].edges(eps)).max(axis=0)
+            assert 1.8 < fitted_order(eps, apart) < 2.2
+            assert second.slope == first[label].slope
+
+
+def test_no_difference_type_for_conservative_systems() -> None:
+    for seed in (3, 4):
+        for found in curves(random_system(seed, 3, harmonics=2), kinds=["difference"]).values():
+            assert np.isnan(found.edges([0.05, 0.1])).all(), found.label
+            assert found.tip == np.inf
+
+
+def test_edges_keep_the_shape_of_eps_in_blocks_too() -> None:
+    zero = np.zeros((2, 2))
+    system = PeriodicSystem(np.eye(2), zero, zero, np.diag([1.0, 9.0]), [[[1.0, 0.8], [0.8, 1.0]]])
+    block = curves(system)["2ω₁"]
+    for found in (block, curves(mathieu())["2ω₁"]):
+        for eps in (0.1, [0.1], [[0.05, 0.1], [0.15, 0.2]], np.zeros((2, 0))):
+            lower, upper = found.edges(eps)
+            assert np.shape(lower) == np.shape(upper) == np.shape(eps)
+        assert found.growth_rate([[1.9], [2.0]], [0.1, 0.2, 0.3]).shape == (2, 3)
+    np.testing.assert_array_equal(block.edges([0.05, 0.1]), np.transpose([block.edges(0.05), block.edges(0.1)]))
+
+
+# --- invariances -----------------------------------------------------------------------------------------------------
+
+
+def assert_same_edges(one: PeriodicSystem, other: PeriodicSystem, eps: float, rtol: float, eps_other: float) -> None:
+    for here, there in zip(
+        transition_curves(one, EVERYTHING, order=2), transition_curves(other, EVERYTHING, order=2), strict=True
+    ):
+        assert here.label == there.label
+        width = 1e-3 * here.centre
+        np.testing.assert_allclose(there.edges(eps_other), here.edges(eps), atol=rtol * width, err_msg=here.label)
+
+
+@few
+@given(seeds)
+def test_sign_of_eps_decides_nothing_for_one_cosine(seed: int) -> None:
+    system = changed(random_system(seed, 2), sine=np.zeros((1, 2, 2)))
+    assert_same_edges(system, system, 0.05, 1e-5, -0.05)
+
+
+@few
+@given(seeds, st.floats(0, 2 * np.pi))
+def test_origin_of_time_decides_nothing(seed: int, phase: float) -> None:
+    """Harmonic j is shifted by j times the phase; second-order sums mix harmonics and must know."""
+    system = random_system(seed, 2, harmonics=2)
+    c, s = (f(phase * np.array([1, 2]))[:, None, None] for f in (np.cos, np.sin))
+    shifted = changed(system, cosine=c * system.cosine + s * system.sine, sine=c * system.sine - s * system.cosine)
+    assert_same_edges(system, shifted, 0.05, 1e-5, 0.05)
+
+
+@few
+@given(seeds)
+def test_coordinates_decide_nothing(seed: int) -> None:
+    system = random_system(seed, 2, harmonics=2)
+    T = np.random.default_rng(seed).normal(size=(2, 2)) + 3 * np.eye(2)
+    assert_same_edges(system, congruent(system, T), 0.05, 1e-5, 0.05)
