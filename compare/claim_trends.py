@@ -1,0 +1,109 @@
+"""The paper's claims on what width of load, aspect ratio and damping do (section IV on Figs. 4-6; conclusions 3-5)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise, product
+
+from compare.evidence import ClaimVerdict, Finding, Quantity, Region, distance, judged, middle, regions, width
+from compare.survey import ClaimRange, Named, middle_part, part_name, some
+from plate import MovingPlate
+
+# A region whose middle moves by less than this part of its frequency has stayed in place, to the eye.
+SAME_PLACE = 0.002
+
+
+def narrower_load_shrinks(study: ClaimRange) -> ClaimVerdict:
+    """Judge "as a symmetric load gets narrower, unstable regions shrink and move down"."""
+    findings = []
+    for r, speed in product(study.aspect_ratios, study.speeds):
+        plates = [
+            Named(
+                f"a/b = {r:g}, V = {speed:g}, {part_name(share)}",
+                replace(study.plate, aspect_ratio=r, speed=speed, load=middle_part(share)),
+            )
+            for share in study.widths
+        ]
+        findings += _trend(plates, study)
+    return judged(
+        "A narrower load shrinks the regions",
+        "As a symmetric edge load becomes narrower at the same total, unstable regions generally become smaller and "
+        "shift towards lower frequency (section IV on Fig. 4; conclusion 3).",
+        f"a/b = {some(study.aspect_ratios)}; V = {some(study.speeds)}; f0 = {study.plate.tension:g}; loaded part "
+        f"{some(study.widths)}; modes 1 to {study.modes}",
+        findings,
+    )
+
+
+def longer_plate_shrinks(study: ClaimRange) -> ClaimVerdict:
+    """Judge "as the aspect ratio increases, all regions shrink, move down and get closer"."""
+    findings = []
+    for share, speed in product(study.widths, study.speeds):
+        plates = [
+            Named(
+                f"a/b = {r:g}, V = {speed:g}, {part_name(share)}",
+                replace(study.plate, aspect_ratio=r, speed=speed, load=middle_part(share)),
+            )
+            for r in study.aspect_ratios
+        ]
+        findings += _trend(plates, study)
+        spread = [_spread(*plate, study) for plate in plates]
+        findings += [Finding("regions get closer", later, sooner) for sooner, later in pairwise(spread)]
+    return judged(
+        "A longer plate shrinks the regions",
+        "As the aspect ratio increases, all unstable regions reduce in size, shift towards lower frequency and get "
+        "closer (section IV on Fig. 5; conclusion 4).",
+        f"a/b = {some(study.aspect_ratios)}; V = {some(study.speeds)}; f0 = {study.plate.tension:g}; loaded part "
+        f"{some(study.widths)}; modes 1 to {study.modes}, numbered by frequency",
+        findings,
+    )
+
+
+def damping_shrinks(study: ClaimRange) -> ClaimVerdict:
+    """Judge "damping shrinks every region, in place, and is favourable to stability"."""
+    findings = []
+    for name, plate in study.survey({"uniform load": study.plate.load}):
+        elastic = regions(f"{name}, c = 0", plate, study.eps, modes=study.modes)
+        for c in study.dampings:
+            damped = regions(f"{name}, c = {c:g}", replace(plate, damping=c), study.eps, modes=study.modes)
+            for pair, region in elastic.items():
+                if not region.is_open:
+                    continue
+                findings.append(Finding(f"{_type(region)} regions shrink", width(damped[pair]), width(region)))
+                if damped[pair].is_open:
+                    findings.append(
+                        Finding("regions stay in place", middle(damped[pair]), middle(region), tolerance=SAME_PLACE)
+                    )
+    return judged(
+        "Damping shrinks the regions",
+        "Internal damping makes all unstable regions shrink upwards at the same location, some vanish, and so it "
+        "favours stability (section IV on Fig. 6; conclusion 5).",
+        f"{study.scope}; uniform load; c = {some(study.dampings)}; eps = {study.eps:g}",
+        findings,
+    )
+
+
+def _trend(plates: Sequence[Named], study: ClaimRange) -> list[Finding]:
+    """Return the findings that each region is smaller and lower than in the plate before."""
+    found = [regions(name, plate, study.eps, modes=study.modes) for name, plate in plates]
+    findings = []
+    for before, after in pairwise(found):
+        for pair, region in after.items():
+            label = region.curve.label
+            if region.is_open or before[pair].is_open:
+                findings.append(Finding(f"{label} shrinks", width(region), width(before[pair])))
+            if region.is_open and before[pair].is_open:
+                findings.append(Finding(f"{label} moves down", middle(region), middle(before[pair])))
+    return findings
+
+
+def _spread(name: str, plate: MovingPlate, study: ClaimRange) -> Quantity:
+    """Return the distance of the highest main region from the lowest."""
+    found = regions(name, plate, study.eps, modes=study.modes)
+    low, high = middle(found[1, 1]), middle(found[study.modes, study.modes])
+    return distance(high, low, f"distance from 2ω₁ to 2ω{study.modes} of {name}")
+
+
+def _type(region: Region) -> str:
+    return "main" if region.curve.p == region.curve.q else "combination"

@@ -1,0 +1,67 @@
+"""The paper's claims, each decided by computation over a stated range of parameters.
+
+`judge_claims` runs all of them. The rule that turns evidence into a verdict is in `compare.evidence`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from joblib import Parallel, delayed
+from threadpoolctl import threadpool_limits
+from tqdm import tqdm
+
+from compare.claim_inplane import inertia_hardly_matters, inertia_shifts_regions, stress_equals_linear_load
+from compare.claim_regions import (
+    boundaries_are_straight,
+    combination_regions_smaller,
+    first_and_third_combine_most,
+    higher_regions_smaller,
+    no_difference_regions,
+    nothing_elsewhere,
+)
+from compare.claim_trends import damping_shrinks, longer_plate_shrinks, narrower_load_shrinks
+from compare.evidence import ClaimVerdict, Verdict
+from compare.survey import QUICK_RANGE, ClaimRange
+
+__all__ = ["CLAIMS", "ClaimRange", "ClaimVerdict", "Verdict", "judge_claims"]
+
+# In the order of the paper.
+CLAIMS: tuple[Callable[[ClaimRange], ClaimVerdict], ...] = (
+    nothing_elsewhere,
+    no_difference_regions,
+    boundaries_are_straight,
+    higher_regions_smaller,
+    first_and_third_combine_most,
+    combination_regions_smaller,
+    stress_equals_linear_load,
+    inertia_hardly_matters,
+    inertia_shifts_regions,
+    narrower_load_shrinks,
+    longer_plate_shrinks,
+    damping_shrinks,
+)
+
+
+def judge_claims(*, n_jobs: int = -1, progress: bool = False, quick: bool = False) -> list[ClaimVerdict]:
+    """Judge every claim of the paper.
+
+    Parameters
+    ----------
+    n_jobs : int
+        Claims judged at once (threads), as in joblib; -1 for all cores.
+    progress : bool
+        Show a progress bar.
+    quick : bool
+        Judge over a smaller range of parameters (`compare.survey.QUICK_RANGE`).
+
+    Returns
+    -------
+    list of ClaimVerdict
+        In the order of the paper.
+    """
+    study = QUICK_RANGE if quick else ClaimRange()
+    tasks = (delayed(claim)(study) for claim in CLAIMS)
+    with threadpool_limits(limits=1, user_api="blas"):  # the matrices are small: threads of BLAS would only fight
+        verdicts = Parallel(n_jobs=n_jobs, prefer="threads", return_as="generator")(tasks)
+        return list(tqdm(verdicts, desc="claims", total=len(CLAIMS), unit="claim", disable=not progress))
