@@ -89,7 +89,7 @@ class DynamicStress(StaticStress):
                 z = block.solve(static, kappa, mach, loss)
                 F += self._stiffness(block.shapes @ z)
             if np.linalg.norm(z) * abs(1 + 1j * loss) > RESONANT_AMPLIFICATION * np.linalg.norm(static):
-                resonance = self.wave_speed * block.kappa[np.argmin(np.abs(block.kappa - kappa))]
+                resonance = self.wave_speed * block.frequencies[np.argmin(np.abs(block.frequencies - kappa))]
                 warnings.warn(
                     f"harmonic {harmonic} of the excitation comes near the in-plane natural frequency {resonance:.6g} "
                     f"(Omega = {resonance / harmonic:.6g}); the in-plane stress is more than "
@@ -116,7 +116,8 @@ class DynamicStress(StaticStress):
             responses = [block.solve(loads, *self._at(kappa * self.wave_speed)) for kappa in kappas]
             Q = _real_span(np.hstack(responses))
             stiffness = self._stiffness((block.shapes @ Q).T)
-            bases.append(ReducedBasis(block, static, Q, block.gyroscopic @ Q, block.transport @ Q, stiffness))
+            terms = np.stack([Q, block.inertia @ Q, block.gyroscopic @ Q, block.transport @ Q])
+            bases.append(ReducedBasis(block, static, Q, terms, Q.T @ terms, stiffness))
         return bases
 
 
@@ -131,9 +132,11 @@ class ReducedBasis:
     static : ndarray of complex, shape (J + 1, N)
         Static responses to the edge loads f_cj - i f_sj, j = 0 to J.
     directions : ndarray, shape (N, R)
-        Orthonormal columns, in the block's energy coordinates.
-    gyroscopic, transport : ndarray, shape (N, R)
-        The block's matrices times the directions.
+        Orthonormal columns Q, in the block's energy coordinates.
+    terms : ndarray, shape (4, N, R)
+        The terms of eq. (8) applied to Q: K_ie = I, M_i, G_i and K_ig.
+    reduced : ndarray, shape (4, R, R)
+        Q^T times these.
     stiffness : ndarray, shape (R, n, n)
         F of the stresses of each direction.
     """
@@ -141,16 +144,16 @@ class ReducedBasis:
     block: InPlaneBlock
     static: ComplexArray
     directions: FloatArray
-    gyroscopic: FloatArray
-    transport: FloatArray
+    terms: FloatArray
+    reduced: FloatArray
     stiffness: FloatArray
 
     def solve(self, static: ComplexArray, kappa: float, mach: float, loss: float) -> tuple[NumericArray, float]:
         """Return the weights of the directions by Galerkin's method, and the norm of the residual of eq. (8)."""
-        image = (1 + 1j * loss - (kappa / self.block.kappa[:, None]) ** 2) * self.directions
-        image += 1j * kappa * mach * self.gyroscopic + mach**2 * self.transport
-        weights = np.linalg.solve(self.directions.T @ image, self.directions.T @ static)
-        return weights, float(np.linalg.norm(image @ weights - static))
+        factors = np.array([1 + 1j * loss, -(kappa**2), 1j * kappa * mach, mach**2])
+        weights = np.linalg.solve(np.tensordot(factors, self.reduced, axes=1), self.directions.T @ static)
+        residual = factors @ (self.terms @ weights) - static
+        return weights, float(np.linalg.norm(residual))
 
 
 def _real_span(vectors: ComplexArray) -> FloatArray:

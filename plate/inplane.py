@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag, eigh
+from scipy.linalg import block_diag, cholesky, solve_triangular
 
 from periodic.checks import FloatArray
 from plate.basis import (
@@ -89,17 +89,22 @@ class InPlaneBlock:
     Parameters
     ----------
     shapes : ndarray, shape (coefficients, N)
-        The coefficients of u and v are shapes @ z: the modes at rest, each divided by its kappa.
-    kappa : ndarray, shape (N,)
-        Natural frequencies at rest divided by C, ascending; M_i is diag(1 / kappa^2).
+        The coefficients of u and v are shapes @ z.
+    inertia : ndarray, shape (N, N)
+        M_i, symmetric.
     gyroscopic, transport : ndarray, shape (N, N)
         G_i and K_ig; neither symmetric nor skew, since u is free at the ends.
     """
 
     shapes: FloatArray
-    kappa: FloatArray
+    inertia: FloatArray
     gyroscopic: FloatArray
     transport: FloatArray
+
+    @cached_property
+    def frequencies(self) -> FloatArray:
+        """Natural frequencies at rest divided by C, ascending, shape (N,)."""
+        return 1 / np.sqrt(np.linalg.eigvalsh(self.inertia)[::-1])
 
     def solve(self, static: NumericArray, kappa: float, mach: float, loss: float) -> NumericArray:
         """Return z at one frequency.
@@ -116,8 +121,8 @@ class InPlaneBlock:
             w c.
         """
         # eq. (8)
-        operator = 1j * kappa * mach * self.gyroscopic + mach**2 * self.transport
-        operator[np.diag_indices_from(operator)] += 1 + 1j * loss - (kappa / self.kappa) ** 2
+        operator = (1 + 1j * loss) * np.eye(len(self.inertia)) - kappa**2 * self.inertia
+        operator += 1j * kappa * mach * self.gyroscopic + mach**2 * self.transport
         return np.linalg.solve(operator, static)
 
 
@@ -151,12 +156,13 @@ class InPlaneProblem:
         for parity in (0, 1):
             members = np.flatnonzero((antisymmetric == parity) & elastic)
             here = np.ix_(members, members)
-            squares, modes = eigh(K[here])
-            kappa = np.sqrt(squares)
-            scaled = modes / kappa
+            # K_ie = R^T R and z = R U: unlike modes, these coordinates stay accurate when a long plate is a soft beam
+            R = cholesky(K[here])
+            inverse = solve_triangular(R, np.eye(members.size))
             shapes = np.zeros((antisymmetric.size, members.size))
-            shapes[members] = scaled
-            blocks.append(InPlaneBlock(shapes, kappa, scaled.T @ G[here] @ scaled, scaled.T @ K_g[here] @ scaled))
+            shapes[members] = inverse
+            matrices = (inverse.T @ inverse, inverse.T @ G[here] @ inverse, inverse.T @ K_g[here] @ inverse)
+            blocks.append(InPlaneBlock(shapes, *matrices))
         return blocks[0], blocks[1]
 
     def force(self, load: Distribution) -> FloatArray:

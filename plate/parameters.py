@@ -75,7 +75,7 @@ class MovingPlate:
     lateral_terms : int
         L + 1, polynomials in y of degree 0 to L. The system has n = axial_terms * lateral_terms coordinates.
     inplane_terms : tuple of two int
-        M + 1 and N + 1, functions of x and of y in each of u and v, for "static" and "dynamic".
+        M + 1 and N + 1, functions of x and of y in each of u and v, for "static" and "dynamic"; M + 1 >= a/b.
     si : SIProperties, optional
         Set by `from_si`; needed only to return to SI units.
 
@@ -122,6 +122,11 @@ class MovingPlate:
             raise ValueError(
                 f"axial_terms * lateral_terms = {self.axial_terms * self.lateral_terms} coordinates; "
                 f"give at most {MOST_COORDINATES}"
+            )
+        if self.inplane != "membrane" and self.inplane_terms[0] < self.aspect_ratio:
+            raise ValueError(
+                f"inplane_terms[0] = {self.inplane_terms[0]} cannot resolve the stress at the ends of a plate of "
+                f"aspect_ratio = {self.aspect_ratio!r}; give a number above it, or inplane='membrane'"
             )
         if not isinstance(self.load, EdgeLoad):
             raise ValueError(f"load = {self.load!r} is no EdgeLoad; give one, such as EdgeLoad.uniform()")
@@ -247,7 +252,7 @@ class MovingPlate:
         Those of the discretised problem (8), whatever ``inplane`` says; the lowest half or so are accurate. The rigid
         translation along x, of frequency 0, is left out.
         """
-        return InPlaneFrequencies(*(_read_only(self._wave_speed * b.kappa) for b in self._inplane_problem.blocks))
+        return InPlaneFrequencies(*(_read_only(self._wave_speed * b.frequencies) for b in self._inplane_problem.blocks))
 
     def at(self, Omega: float) -> PeriodicSystem:
         """Return the system (11) at excitation frequency ``Omega`` (`periodic.SystemFamily`).
@@ -425,4 +430,4 @@ def _places(name: str, value: ArrayLike | None, end: float) -> FloatArray:
     places = grid(name, np.linspace(0.0, end, GRID) if value is None else value)
     if places[0] < 0 or places[-1] > end * (1 + PLACE_ROUNDING):
         raise ValueError(f"{name} runs from {places[0]:.6g} to {places[-1]:.6g}; keep within 0 to {end:.6g}")
-    return places
+    return _read_only(np.minimum(places, end))

@@ -241,6 +241,16 @@ def test_from_si_against_a_textbook_beam() -> None:
     assert lowest == pytest.approx(np.pi / a * critical, rel=1e-9)
 
 
+def test_units_by_hand() -> None:
+    # D = 96 / 8 / (12 (1 - 1/4)) = 4/3 N m and rho h = 3 kg/m^2: time sqrt(3 / (4/3)) = 1.5 s, tension 4/3 N/m
+    plate = MovingPlate.from_si(
+        length=1, width=1, thickness=0.5, density=6, youngs_modulus=96, poisson_ratio=0.5, speed=0, tension=1
+    )
+    assert plate.time_unit == pytest.approx(1.5, rel=1e-14)
+    assert plate.tension_unit == pytest.approx(4 / 3, rel=1e-14)
+    assert plate.speed_unit == pytest.approx(1 / 1.5, rel=1e-14)
+
+
 @settings(max_examples=15, deadline=None)
 @given(st.floats(-2, 2), st.floats(-2, 2), st.floats(-2, 2))
 def test_units_do_not_matter(length: float, mass: float, time: float) -> None:
@@ -305,6 +315,15 @@ BAD: list[tuple[str, Any]] = [
 def test_bad_parameters_are_named(name: str, value: Any) -> None:
     with pytest.raises(ValueError, match=name):
         MovingPlate(**{name: value})
+
+
+@pytest.mark.parametrize("inplane", ["static", "dynamic"])
+def test_too_few_functions_for_a_long_plate_are_refused(inplane: str) -> None:
+    with pytest.raises(ValueError, match=r"inplane_terms\[0\] = 9 .* aspect_ratio = 9\.5"):
+        MovingPlate(aspect_ratio=9.5, inplane=inplane)
+    # with enough of them a long plate is nearly a membrane
+    long = MovingPlate(aspect_ratio=9.5, inplane=inplane, inplane_terms=(15, 9))
+    assert long.critical_speed() == pytest.approx(MovingPlate(aspect_ratio=9.5).critical_speed(), rel=1e-4)
 
 
 def test_too_many_coordinates_are_refused() -> None:
