@@ -17,8 +17,8 @@ from periodic.checks import FloatArray
 # What is dropped is charged to the error estimate.
 ROUNDING = 1e-14
 # A hidden symmetry is used if the couplings it leaves, in energy coordinates, are below this part of the rate of
-# motion: dropping them then costs no more than rounding does anyway.
-SYMMETRY = 1e-15
+# motion: dropping them then costs little more than rounding does anyway.
+SYMMETRY = 1e-14
 
 
 class Reduction(NamedTuple):
@@ -56,8 +56,8 @@ def reduce_system(system: PeriodicSystem, eps: float, slowest: float) -> list[Re
 
     With modes of the symmetric part of the stiffness, mass-normalised, W = modes @ (y1 / w) and W' = modes @ y2. The
     scales w are the square roots of the moduli of the eigenvalues: a conservative motion is nearly a rotation of
-    (y1, y2), and the monodromy matrix as well-conditioned as can be. ``slowest`` > 0 is the scale of coordinates without
-    stiffness.
+    (y1, y2), and the monodromy matrix as well-conditioned as can be. ``slowest`` > 0 is the scale of coordinates
+    without stiffness.
     """
     constant = np.array([system.mass, system.gyroscopic, system.damping, system.stiffness])
     matrices = np.concatenate([constant, eps * system.cosine, eps * system.sine])
@@ -196,7 +196,7 @@ def _forcing(constant: FloatArray, excitation: FloatArray) -> tuple[FloatArray, 
     """
     J, m = len(excitation) // 2, len(constant)
     weights, sizes, basis = np.linalg.svd(excitation.reshape(2 * J, m * m), full_matrices=False)
-    rank = int((sizes > np.finfo(float).eps * sizes[0]).sum())
+    rank = max(1, int((sizes > np.finfo(float).eps * sizes[0]).sum()))
     factors = (weights * sizes)[:, :rank].T
     alpha, beta = np.zeros((rank, J + 1)), np.zeros((rank, J + 1))
     alpha[:, 1:], beta[:, 1:] = factors[:, :J], factors[:, J:]

@@ -1,0 +1,55 @@
+"""Random systems, and monodromy matrices by another method, for the tests of the single-point integrator."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+from periodic import PeriodicSystem
+
+
+def random_system(
+    seed: int, n: int, harmonics: int = 1, *, symmetric: bool = True, damping: float = 0.0, gyroscopic: bool = True
+) -> PeriodicSystem:
+    """Mass well-conditioned, stiffness of order one and not always positive, excitation of order one."""
+    rng = np.random.default_rng(seed)
+
+    def entries(*shape: int) -> NDArray[np.float64]:
+        return rng.standard_normal(shape)
+
+    A, G, K, C = entries(n, n), entries(n, n), entries(n, n), entries(n, n)
+    cosine, sine = entries(harmonics, n, n), entries(harmonics, n, n)
+    if symmetric:
+        K = K @ K.T + rng.uniform(-0.5, 1.0) * np.eye(n)
+        cosine, sine = cosine + cosine.transpose(0, 2, 1), sine + sine.transpose(0, 2, 1)
+    return PeriodicSystem(
+        mass=A @ A.T / n + np.eye(n),
+        gyroscopic=0.5 * (G - G.T) * gyroscopic,
+        damping=damping * C @ C.T / n,
+        stiffness=K,
+        cosine=cosine,
+        sine=sine,
+    )
+
+
+def first_order(system: PeriodicSystem, Omega: float, eps: float, t: float) -> NDArray[np.float64]:
+    """The matrix of q' = A(t) q, q = (W', W), straight from the definition of the system."""
+    n = system.size
+    S = system.stiffness.copy()
+    for j in range(system.harmonics):
+        phase = (j + 1) * Omega * t
+        S += eps * (np.cos(phase) * system.cosine[j] + np.sin(phase) * system.sine[j])
+    upper = -np.linalg.solve(system.mass, np.hstack([system.gyroscopic + system.damping, S]))
+    return np.vstack([upper, np.eye(n, 2 * n)])
+
+
+def dop853(system: PeriodicSystem, Omega: float, eps: float) -> NDArray[np.float64]:
+    """Monodromy matrix by SciPy's Dormand-Prince method of order 8; its own error is a few times 1e-13."""
+    N = 2 * system.size
+
+    def rate(t: float, q: NDArray[np.float64]) -> NDArray[np.float64]:
+        return (first_order(system, Omega, eps, t) @ q.reshape(N, N)).ravel()
+
+    found = solve_ivp(rate, (0.0, 2 * np.pi / Omega), np.eye(N).ravel(), method="DOP853", rtol=1e-13, atol=1e-13)
+    return found.y[:, -1].reshape(N, N)
