@@ -4,25 +4,25 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from joblib import Parallel, delayed
 from numpy.typing import ArrayLike, NDArray
+from threadpoolctl import threadpool_limits
 from tqdm import tqdm
 
-from floquet.direct import direct_multipliers
-from floquet.verdict import Cells, dominant, judge
+from floquet.column import column, needed_steps
+from floquet.coordinates import blocks
+from floquet.sampling import Workspace
 from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import FloatArray, grid, one_of, workers
 
 ARRAYS = ("Omega", "eps", "growth_rate", "multiplier", "kind", "error")
-COLUMNS_PER_TASK = (
-    8  # enough work to hide joblib's overhead, few enough to balance the load and to keep when interrupted
-)
+COLUMNS_A_TASK = 8  # enough work to hide joblib's overhead, few enough to balance the load and to keep when interrupted
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,46 +152,66 @@ def stability_chart(
     n_jobs = workers("n_jobs", n_jobs)
     progress = one_of("progress", progress, (True, False, None))
 
-    starts = range(0, Omega.size, COLUMNS_PER_TASK)
+    steps = _steps_a_cycle(family, Omega, eps)
 
     def tasks() -> Iterator[Any]:
-        for start in starts:
-            columns = Omega[start : start + COLUMNS_PER_TASK]
-            yield delayed(_numbered)(start, [family.at(float(w)) for w in columns], columns, eps)
+        for start in range(0, Omega.size, COLUMNS_A_TASK):
+            columns = Omega[start : start + COLUMNS_A_TASK]
+            yield delayed(_numbered_block)(start, [family.at(float(w)) for w in columns], columns, eps, steps)
 
     parallel = Parallel(n_jobs=n_jobs, prefer="threads", batch_size=1, return_as="generator_unordered")
-    arrays: tuple[NDArray[Any], ...] = (
-        np.empty((eps.size, Omega.size)),
-        np.empty((eps.size, Omega.size), np.complex128),
-        np.empty((eps.size, Omega.size), np.int8),
-        np.empty((eps.size, Omega.size)),
-    )
+    shape = (eps.size, Omega.size)
+    cells = Block(np.empty(shape), np.empty(shape, np.complex128), np.empty(shape, np.int8), np.empty(shape))
     with tqdm(total=Omega.size, unit="column", disable=None if progress is None else not progress) as bar:
-        for start, block in parallel(tasks()):
-            width = block[0].shape[1]
-            for array, part in zip(arrays, block, strict=True):
-                array[:, start : start + width] = part
+        for start, part in parallel(tasks()):
+            width = part.growth_rate.shape[1]
+            for name in Block._fields:
+                getattr(cells, name)[:, start : start + width] = getattr(part, name)
             bar.update(width)
-    return StabilityChart(Omega, eps, *arrays)
+    return StabilityChart(Omega, eps, *cells)
 
 
-def _numbered(
-    start: int, systems: list[PeriodicSystem], Omega: FloatArray, eps: FloatArray
-) -> tuple[int, tuple[FloatArray, NDArray[np.complex128], NDArray[np.int8], FloatArray]]:
-    return start, chart_block(systems, Omega, eps)
+class Block(NamedTuple):
+    """The cells of a few columns, each array of shape (k, columns)."""
+
+    growth_rate: FloatArray
+    multiplier: NDArray[np.complex128]
+    kind: NDArray[np.int8]
+    error: FloatArray
 
 
-def chart_block(
-    systems: list[PeriodicSystem], Omega: FloatArray, eps: FloatArray
-) -> tuple[FloatArray, NDArray[np.complex128], NDArray[np.int8], FloatArray]:
-    """Return growth_rate, multiplier, kind and error of a few columns, each of shape (k, columns)."""
-    columns = [Cells(*_column(system, w, eps)) for system, w in zip(systems, Omega, strict=True)]
-    log_modulus, direction, error = (np.stack(part, axis=1) for part in zip(*columns, strict=True))
-    growth_rate = log_modulus * Omega / (2 * np.pi)
+def chart_block(systems: Sequence[PeriodicSystem], Omega: FloatArray, eps: FloatArray, steps_a_cycle: float) -> Block:
+    """Return a few columns of a chart, one for each system and frequency: a pure function, safe to keep its results."""
+    work = Workspace()
+    columns, last, parts = [], None, []
+    with blas_threads():
+        for system, frequency in zip(systems, Omega, strict=True):
+            if system is not last:
+                last, parts = system, blocks(system)
+            columns.append(column(parts, float(frequency), eps, steps_a_cycle, work))
+    log_modulus, angle, error, kind = (np.stack(part, axis=1) for part in zip(*columns, strict=True))
     with np.errstate(over="ignore"):
         modulus = np.exp(log_modulus)
-    return growth_rate, modulus * direction, judge(Cells(log_modulus, direction, error)), error
+    direction = np.cos(angle) + 1j * np.sin(angle)
+    return Block(log_modulus * Omega / (2 * np.pi), modulus * direction, kind, error)
 
 
-def _column(system: PeriodicSystem, Omega: float, eps: FloatArray) -> Cells:
-    return dominant(*direct_multipliers(system, Omega, eps))
+def _numbered_block(start: int, *arguments: Any) -> tuple[int, Block]:
+    return start, chart_block(*arguments)
+
+
+def _steps_a_cycle(family: SystemFamily, Omega: FloatArray, eps: FloatArray) -> float:
+    """Return the steps in one cycle of the fastest motion that a few columns need; the others get as many."""
+    work = Workspace()
+    with blas_threads():
+        return max(
+            needed_steps(block, float(w), eps, work)
+            for w in np.unique(Omega[[0, Omega.size // 2, -1]])
+            for block in blocks(family.at(float(w)))
+        )
+
+
+def blas_threads() -> Any:
+    """Return a context in which BLAS uses one thread: the workers are the threads, and results do not depend on their
+    number."""
+    return threadpool_limits(limits=1, user_api="blas")

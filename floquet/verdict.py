@@ -1,40 +1,170 @@
-"""What a cell of a chart says: dominant multiplier, its error, and stable, unstable or undecided."""
+"""What the multipliers of a cell say: the dominant one, how far it may be wrong, and stable, unstable or undecided.
+
+The error of the monodromy matrix moves a multiplier that is well apart from all others by about as much. Where two
+multipliers are the gap g apart they move by E / g, and where they coalesce - at the boundaries of the regions - by
+sqrt(E). Here E is the error of what is smooth there, the product of error and gap.
+"""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from floquet.multipliers import Kind
 from periodic.checks import FloatArray
 
-ANGLE_TOLERANCE = 1e-6  # a dominant multiplier this close to the real axis counts as real
+ComplexArray = NDArray[np.complex128]
+
+# Multipliers on the unit circle whose distance is more than this times sqrt(E) cannot meet and leave it: the error of
+# the square of their distance is 4 E.
+APART = 3.0
 
 
 class Cells(NamedTuple):
-    """Results of the cells of one column, each of shape (k,)."""
+    """Results at the amplitudes of one column, each of shape (k,)."""
 
-    log_modulus: FloatArray  # log|mu| of the dominant multiplier
-    direction: NDArray[np.complex128]  # mu / |mu|, imaginary part >= 0
+    log_modulus: FloatArray  # log|mu| of the dominant multiplier mu
+    angle: FloatArray  # its argument, between 0 and pi
     error: FloatArray  # estimated error of log_modulus
+    kind: NDArray[np.int8]
 
 
-def dominant(multipliers: NDArray[np.complex128], error: FloatArray) -> Cells:
-    """Return the multiplier of largest modulus in each row of ``multipliers`` (k, 2n)."""
-    largest = np.take_along_axis(multipliers, np.abs(multipliers).argmax(axis=1)[:, None], axis=1)[:, 0]
-    modulus = np.abs(largest)
-    mu = largest / modulus
-    return Cells(np.log(modulus), mu.real + 1j * np.abs(mu.imag), error)
+class Dominant(NamedTuple):
+    """The dominant multiplier of each cell of a block: log|mu|, argument, and relative distance to the nearest other.
+
+    If no multiplier is off the unit circle, ``gap`` is the smallest distance between any two.
+    """
+
+    log_modulus: FloatArray
+    angle: FloatArray
+    gap: FloatArray
 
 
-def judge(cells: Cells) -> NDArray[np.int8]:
-    """Return the `Kind` of every cell: unstable where log|mu| exceeds its error, else stable."""
-    angle = np.arccos(np.clip(cells.direction.real, -1, 1))
-    unstable = np.where(
-        angle <= ANGLE_TOLERANCE,
-        Kind.PLUS_ONE,
-        np.where(angle >= np.pi - ANGLE_TOLERANCE, Kind.MINUS_ONE, Kind.COMPLEX),
-    )
-    return np.where(cells.log_modulus > cells.error, unstable, Kind.STABLE).astype(np.int8)
+@njit(cache=True, nogil=True)
+def dominant(mu: ComplexArray, exponents: FloatArray, reversible: bool) -> Dominant:
+    """Return the dominant ones of the multipliers 2^exponents[c] mu[c, i], mu of shape (k, N)."""
+    k, N = mu.shape
+    log_modulus, angle, gap = np.empty(k), np.empty(k), np.empty(k)
+    for c in range(k):
+        top = 0
+        for i in range(1, N):
+            if abs(mu[c, i]) > abs(mu[c, top]):
+                top = i
+        size = abs(mu[c, top])
+        nearest = np.inf
+        for i in range(N):
+            if i == top or reversible:
+                for j in range(N):
+                    if j != i:
+                        nearest = min(nearest, abs(mu[c, i] - mu[c, j]))
+        log_modulus[c] = np.log(size) + exponents[c] * np.log(2.0)
+        angle[c] = abs(np.angle(mu[c, top]))
+        gap[c] = nearest / size
+    return Dominant(log_modulus, angle, gap)
+
+
+@njit(cache=True, nogil=True)
+def exponent(s: complex, shift: float) -> tuple[float, float]:
+    """Return log|mu| >= 0 and the argument in [0, pi] of the larger multiplier with mu + 1/mu = 2^shift s.
+
+    With s = 2 cosh(u + i v), |s/2|^2 = sinh^2 u + cos^2 v and Im(s/2) = sinh u sin v.
+    """
+    if shift != 0.0 or abs(s) > 1e8:  # 1/mu does not count any more
+        return np.log(abs(s)) + shift * np.log(2.0), abs(np.angle(s))
+    a, b = 0.5 * s.real, 0.5 * abs(s.imag)
+    if b == 0.0:
+        if abs(a) <= 1.0:
+            return 0.0, np.arccos(a)
+        return np.arccosh(abs(a)), 0.0 if a > 0.0 else np.pi
+    excess = a * a + b * b - 1.0
+    root = np.hypot(excess, 2.0 * b)
+    # sinh^2 u = (excess + root) / 2, without cancellation
+    sinh = np.sqrt(0.5 * (excess + root) if excess > 0.0 else 2.0 * b * b / (root - excess))
+    u = np.arcsinh(sinh)
+    return u, np.arccos(min(max(a / np.cosh(u), -1.0), 1.0))
+
+
+@njit(cache=True, nogil=True)
+def dominant_symplectic(s: ComplexArray, exponents: FloatArray) -> Dominant:
+    """Return the dominant multipliers of cells with mu + 1/mu = 2^exponents[c] s[c, i], s of shape (k, n)."""
+    k, n = s.shape
+    log_modulus, angle, gap = np.empty(k), np.empty(k), np.empty(k)
+    u, v = np.empty(n), np.empty(n)
+    for c in range(k):
+        count, top = 0, 0
+        for i in range(n):
+            if s[c, i].imag >= 0.0:  # a complex pair belongs to one pair mu, 1 / conj(mu) in the upper half plane
+                u[count], v[count] = exponent(s[c, i], exponents[c])
+                if u[count] > u[top]:
+                    top = count
+                count += 1
+        nearest = np.inf
+        for i in range(count):
+            if i == top or u[top] == 0.0:
+                nearest = min(nearest, _distance_to_images(u[i], v[i]))
+                for j in range(count):
+                    if j != i:
+                        nearest = min(nearest, np.hypot(u[i] - u[j], v[i] - v[j]))
+        log_modulus[c], angle[c], gap[c] = u[top], v[top], nearest
+    return Dominant(log_modulus, angle, gap)
+
+
+@njit(cache=True, nogil=True)
+def _distance_to_images(u: float, v: float) -> float:
+    """Return the distance, in log mu, of the multiplier exp(u + i v) from its images 1/conj(mu) and conj(mu)."""
+    across = min(2.0 * v, 2.0 * (np.pi - v))
+    if u == 0.0:
+        return across
+    return 2.0 * u if across == 0.0 else min(2.0 * u, across)
+
+
+@njit(cache=True, nogil=True)
+def discrepancy(mu: ComplexArray, other: ComplexArray) -> float:
+    """Return E, from two computations of all multipliers of one cell, in units of the largest."""
+    size = np.abs(mu).max()
+    largest = 0.0
+    for i in range(mu.size):
+        shift, gap = np.inf, 1.0
+        for j in range(mu.size):
+            shift = min(shift, abs(mu[i] - other[j]) / size)
+            if j != i:
+                gap = min(gap, abs(mu[i] - mu[j]) / size)
+        largest = max(largest, shift * max(gap, shift))
+    return largest
+
+
+def judge(found: Dominant, E: FloatArray, conservative: bool) -> Cells:
+    """Return the cells of a block, given E (k,); ``conservative``: with mu also 1 / conj(mu) is a multiplier."""
+    with np.errstate(divide="ignore"):
+        error = np.minimum(E / np.minimum(found.gap, 1), np.sqrt(E))
+    log_modulus = found.log_modulus
+    real = np.where(found.angle <= error, Kind.PLUS_ONE, Kind.COMPLEX)
+    unstable = np.where(np.pi - found.angle <= error, Kind.MINUS_ONE, real)
+    if conservative:
+        held = (np.abs(log_modulus) <= error) & (found.gap > APART * np.sqrt(E))
+        stable = np.where(held, Kind.STABLE, Kind.UNDECIDED)
+        log_modulus = np.where(held, 0.0, log_modulus)
+    else:
+        stable = np.where(log_modulus < -error, Kind.STABLE, Kind.UNDECIDED)
+    kind = np.where(log_modulus > error, unstable, stable).astype(np.int8)
+    return Cells(log_modulus, found.angle, error, kind)
+
+
+def combine(blocks: list[Cells]) -> Cells:
+    """Return the cells of a system from those of its independent blocks."""
+    log_modulus = np.array([cells.log_modulus for cells in blocks])
+    error = np.array([cells.error for cells in blocks])
+    kinds = np.array([cells.kind for cells in blocks])
+    angles = np.array([cells.angle for cells in blocks])
+    value = log_modulus.max(axis=0)
+    above = (log_modulus + error).max(axis=0) - value
+    below = value - (log_modulus - error).max(axis=0)
+    # one unstable block makes the system unstable, one undecided block leaves it undecided
+    unstable = kinds > Kind.STABLE
+    top = np.where(unstable | ~unstable.any(axis=0), log_modulus, -np.inf).argmax(axis=0)
+    cells = np.arange(len(value))
+    kind = np.where(unstable.any(axis=0), kinds[top, cells], kinds.min(axis=0))
+    return Cells(value, angles[top, cells], np.maximum(above, below), kind.astype(np.int8))

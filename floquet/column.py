@@ -1,0 +1,104 @@
+"""One column of a chart: all amplitudes at one frequency, block by block, each with its error."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from floquet.coordinates import Block, equations
+from floquet.doubling import TOLERANCE
+from floquet.lanes import WIDTH
+from floquet.sampling import Sampler, Workspace
+from floquet.spectra import eigenvalues
+from floquet.symplectic import reciprocal_pairs, symplectic_eigenvalues
+from floquet.verdict import Cells, ComplexArray, combine, discrepancy, dominant, dominant_symplectic, judge
+from periodic.checks import FloatArray
+
+# Steps in one cycle of the fastest motion, at least. With fewer than two and a bit, the steps themselves are in
+# resonance with the fast modes, which then look unstable.
+LEAST_STEPS = 16.0
+MOST_STEPS = 2.0**16  # more only collect rounding errors
+TARGET = 1e-10  # for the error E of `floquet.verdict`
+# The error is measured at two amplitudes and with all multipliers; elsewhere it may be a little larger.
+SAFETY = 2.0
+UNIT = float(np.finfo(float).eps)
+
+
+def column(blocks: Sequence[Block], Omega: float, eps: FloatArray, steps_a_cycle: float, work: Workspace) -> Cells:
+    """Return the cells at frequency ``Omega`` and amplitudes ``eps``."""
+    return combine([_block_column(block, Omega, eps, steps_a_cycle, work) for block in blocks])
+
+
+def needed_steps(block: Block, Omega: float, eps: FloatArray, work: Workspace) -> float:
+    """Return how many steps in one cycle of the fastest motion bring the error at ``Omega`` down to TARGET."""
+    sampler, some = Sampler(block, equations(block, Omega), Omega, work), eps[_tested(eps)]
+    steps = LEAST_STEPS
+    while True:
+        L = log2_steps(block, Omega, eps, steps)
+        error = _discrepancies(sampler, *multipliers(sampler, some, L, TOLERANCE), some, L).max()
+        taken = 2.0**L * Omega / fastest(block, Omega, eps)
+        steps = min(max(taken * (error / TARGET) ** 0.25, LEAST_STEPS), MOST_STEPS)  # fourth order
+        if steps <= 4 * taken:
+            return steps
+
+
+def fastest(block: Block, Omega: float, eps: FloatArray) -> float:
+    """Return the rate of the fastest motion: of the system at its stiffest, or of the excitation."""
+    stiffness = np.abs(eps).max() * np.linalg.norm(np.concatenate([block.Fc, block.Fs]), axis=(1, 2)).sum()
+    return max(math.sqrt(block.rate**2 + stiffness), len(block.Fc) * Omega)
+
+
+def log2_steps(block: Block, Omega: float, eps: FloatArray, steps_a_cycle: float) -> int:
+    """Return L, where 2^L steps make one period."""
+    return math.ceil(math.log2(steps_a_cycle * fastest(block, Omega, eps) / Omega))
+
+
+def multipliers(sampler: Sampler, eps: FloatArray, L: int, tolerance: float) -> tuple[ComplexArray, FloatArray]:
+    """Return mu (k, N), or mu + 1/mu (k, n) of a symplectic block, as powers of two (k,) and what they multiply."""
+    solve = symplectic_eigenvalues if sampler.block.symplectic else eigenvalues
+    parts, exponents = [], []
+    for panel in sampler.panels(eps, L, tolerance):
+        parts.append(solve(panel.samples, lane_weights(panel.weights))[: len(panel.weights)])
+        exponents.append(panel.exponents)
+    return np.concatenate(parts), np.concatenate(exponents)
+
+
+def lane_weights(weights: FloatArray) -> FloatArray:
+    """Return ``weights`` (k, m) in groups of eight cells, (groups, m, 8); the last cell is repeated to fill the last
+    group."""
+    padded = np.concatenate([weights, np.repeat(weights[-1:], -len(weights) % WIDTH, axis=0)])
+    return np.ascontiguousarray(padded.reshape(-1, WIDTH, weights.shape[1]).transpose(0, 2, 1))
+
+
+def _block_column(block: Block, Omega: float, eps: FloatArray, steps_a_cycle: float, work: Workspace) -> Cells:
+    L = log2_steps(block, Omega, eps, steps_a_cycle)
+    sampler = Sampler(block, equations(block, Omega), Omega, work)
+    mu, exponents = multipliers(sampler, eps, L, TOLERANCE)
+    tested = _tested(eps)
+    measured = _discrepancies(sampler, mu[tested], exponents[tested], eps[tested], L)
+    # exact at eps = 0, and the error grows at least like eps^2; the straight line is on the safe side
+    slope = (measured / np.maximum(np.abs(eps[tested]), UNIT)).max()
+    E = SAFETY * np.maximum(slope * np.abs(eps), 2 * UNIT * 2.0**L)
+    if block.symplectic:
+        return judge(dominant_symplectic(mu, exponents), E, conservative=True)
+    return judge(dominant(mu, exponents, block.reversible), E, conservative=block.reversible)
+
+
+def _tested(eps: FloatArray) -> list[int]:
+    """Return the amplitudes at which a column is integrated once more with half the step: the largest and the middle
+    one."""
+    return sorted({int(np.abs(eps).argmax()), len(eps) // 2})
+
+
+def _discrepancies(sampler: Sampler, mu: ComplexArray, exponents: FloatArray, eps: FloatArray, L: int) -> FloatArray:
+    """Return E at the amplitudes ``eps``, whose multipliers from 2^L steps are given as by `multipliers`."""
+    finer, finer_exponents = multipliers(sampler, eps, L + 1, TOLERANCE / 1e3)
+    result = np.empty(len(eps))
+    for i, shift in enumerate(np.clip(finer_exponents - exponents, -1000, 1000)):
+        one, other = mu[i], finer[i] * 2.0**shift
+        if sampler.block.symplectic and exponents[i] == 0:  # else mu + 1/mu is mu
+            one, other = reciprocal_pairs(one), reciprocal_pairs(other)
+        result[i] = discrepancy(one, other)
+    return result

@@ -1,0 +1,45 @@
+"""Interpolation in phase and in amplitude: how many samples an entire function needs, and the weights they get."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from periodic.checks import FloatArray
+
+
+def degree(x: tuple[float, ...], tolerance: float) -> int:
+    """Return the degree beyond which the Fourier coefficients of exp(sum_j x_j cos j z), j = 1, 2, ..., are below
+    ``tolerance``.
+
+    In the strip |Im z| <= eta the function is at most exp(sum_j x_j cosh j eta), so that its coefficient of degree q
+    is at most exp(-q eta) times that, for every eta (L. N. Trefethen, Approximation Theory and Approximation
+    Practice, 2013, chapter 8). The same holds for the Chebyshev coefficients of exp(x_1 z).
+    """
+    j = np.arange(1, len(x) + 1)
+    eta = np.geomspace(0.02, 40, 80) / len(x)
+    bound = np.array(x) @ np.cosh(np.outer(j, eta)) + math.log(2 / tolerance)
+    return int(np.ceil((bound / eta).min())) - 1
+
+
+def chebyshev_points(m: int) -> FloatArray:
+    """Return the m zeros of the Chebyshev polynomial T_m."""
+    return np.cos((2 * np.arange(m) + 1) * np.pi / (2 * m))
+
+
+def chebyshev_weights(m: int, x: ArrayLike) -> FloatArray:
+    """Return the matrix (len(x), m) that takes values at the m Chebyshev points to those of their interpolant at x."""
+    order = np.arange(m)
+    coefficients = np.cos(np.outer(order, np.arccos(chebyshev_points(m)))) * (2 / m)
+    coefficients[0] /= 2
+    return np.cos(np.outer(np.arccos(np.clip(x, -1, 1)), order)) @ coefficients
+
+
+def trigonometric_weights(p: int, theta: ArrayLike) -> FloatArray:
+    """Return the matrix (len(theta), p) that takes values at the phases 2 pi i / p, p odd, to their interpolant at
+    theta."""
+    half = np.asarray(theta)[:, None] / 2 - np.pi * np.arange(p) / p
+    order = np.arange(1, p // 2 + 1)
+    return (1 + 2 * np.cos(2 * half[..., None] * order).sum(axis=-1)) / p

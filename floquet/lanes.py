@@ -1,0 +1,175 @@
+"""Eight numbers at once: a small Numba type for the SIMD registers of the machine.
+
+A lane array has shape (..., 8): entry i of eight independent problems side by side. Kernels written on `Lanes` read
+like their scalar textbook form and run on eight problems for the price of one. Each function below is plain NumPy on
+arrays of shape (8,), and that is how it runs with NUMBA_DISABLE_JIT=1; the lowering underneath says the same to LLVM
+on its ``<8 x double>``, which every machine supports (one AVX-512 register, two AVX, four NEON).
+"""
+
+from __future__ import annotations
+
+import inspect
+import operator
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.core.typing import signature
+from numba.core.typing.templates import ConcreteTemplate, infer_global
+from numba.extending import lower_builtin, models, register_model, type_callable
+
+from periodic.checks import FloatArray
+
+WIDTH = 8
+VECTOR = ir.VectorType(ir.DoubleType(), WIDTH)
+
+
+# ---- what kernels use, in plain NumPy ----
+
+
+def load(array: FloatArray, i: int, j: int) -> FloatArray:
+    """Return the lanes at row i, column j of a C-contiguous array (rows, columns, 8)."""
+    return array[i, j].copy()
+
+
+def store(array: FloatArray, i: int, j: int, value: FloatArray) -> None:
+    """Write the lanes at row i, column j."""
+    array[i, j] = value
+
+
+def spread(value: float) -> FloatArray:
+    """Return lanes that all hold ``value``."""
+    return np.full(WIDTH, value)
+
+
+def fma(a: FloatArray, b: FloatArray, c: FloatArray) -> FloatArray:
+    """Return a b + c, rounded once where the machine can."""
+    return a * b + c
+
+
+def root(a: FloatArray) -> FloatArray:
+    """Return the square root of every lane."""
+    return np.sqrt(a)
+
+
+def magnitude(a: FloatArray) -> FloatArray:
+    """Return the absolute value of every lane."""
+    return np.abs(a)
+
+
+def pick_le(a: FloatArray, b: FloatArray, yes: FloatArray, no: FloatArray) -> FloatArray:
+    """Return ``yes`` in the lanes where a <= b, else ``no``."""
+    return np.where(a <= b, yes, no)
+
+
+# ---- the same for the compiler ----
+
+
+class LanesType(types.Type):
+    """Numba's type of eight float64 side by side."""
+
+    def __init__(self) -> None:
+        super().__init__(name="Lanes")
+
+
+LANES = LanesType()
+
+
+@register_model(LanesType)
+class _LanesModel(models.PrimitiveModel):
+    def __init__(self, dmm: Any, fe_type: Any) -> None:
+        super().__init__(dmm, fe_type, VECTOR)
+
+
+def _typed(function: Any, result: types.Type) -> None:
+    """Declare the type that ``function`` returns, whatever its arguments."""
+
+    def typer(*arguments: Any) -> types.Type:
+        return result
+
+    typer.__signature__ = inspect.signature(function)  # type: ignore[attr-defined]
+    type_callable(function)(lambda context: typer)
+
+
+for _named in (load, spread, fma, root, magnitude, pick_le):
+    _typed(_named, LANES)
+_typed(store, types.none)
+
+
+@infer_global(operator.add)
+@infer_global(operator.sub)
+@infer_global(operator.mul)
+@infer_global(operator.truediv)
+class _Binary(ConcreteTemplate):
+    cases = [signature(LANES, LANES, LANES)]  # noqa: RUF012
+
+
+@infer_global(operator.neg)
+class _Unary(ConcreteTemplate):
+    cases = [signature(LANES, LANES)]  # noqa: RUF012
+
+
+def _address(context: Any, builder: Any, array_type: Any, array: Any, indices: Any) -> Any:
+    view = context.make_array(array_type)(context, builder, array)
+    i, j = (context.cast(builder, index, kind, types.intp) for index, kind in indices)
+    columns = cgutils.unpack_tuple(builder, view.shape)[1]
+    offset = builder.mul(builder.add(builder.mul(i, columns), j), ir.Constant(ir.IntType(64), WIDTH))
+    return builder.bitcast(builder.gep(view.data, [offset]), VECTOR.as_pointer())
+
+
+@lower_builtin(load, types.Array, types.Integer, types.Integer)
+def _load(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    pointer = _address(context, builder, sig.args[0], args[0], zip(args[1:3], sig.args[1:3], strict=True))
+    return builder.load(pointer, align=8)
+
+
+@lower_builtin(store, types.Array, types.Integer, types.Integer, LanesType)
+def _store(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    pointer = _address(context, builder, sig.args[0], args[0], zip(args[1:3], sig.args[1:3], strict=True))
+    builder.store(args[3], pointer, align=8)
+    return context.get_dummy_value()
+
+
+@lower_builtin(spread, types.Number)
+def _spread(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    value = context.cast(builder, args[0], sig.args[0], types.float64)
+    lane = builder.insert_element(ir.Constant(VECTOR, ir.Undefined), value, ir.Constant(ir.IntType(32), 0))
+    return builder.shuffle_vector(lane, lane, ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [0] * WIDTH))
+
+
+def _instruction(function: Any, name: str) -> None:
+    count = 1 if name == "fneg" else 2
+
+    @lower_builtin(function, *[LanesType] * count)
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return getattr(builder, name)(*args)
+
+
+for _operation, _name in {
+    operator.add: "fadd",
+    operator.sub: "fsub",
+    operator.mul: "fmul",
+    operator.truediv: "fdiv",
+    operator.neg: "fneg",
+}.items():
+    _instruction(_operation, _name)
+
+
+def _call(function: Any, name: str, count: int) -> None:
+    @lower_builtin(function, *[LanesType] * count)
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        kind = ir.FunctionType(VECTOR, [VECTOR] * count)
+        return builder.call(cgutils.get_or_insert_function(builder.module, kind, f"llvm.{name}.v{WIDTH}f64"), args)
+
+
+_call(fma, "fmuladd", 3)
+_call(root, "sqrt", 1)
+_call(magnitude, "fabs", 1)
+
+
+@lower_builtin(pick_le, LanesType, LanesType, LanesType, LanesType)
+def _pick_le(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    a, b, yes, no = args
+    return builder.select(builder.fcmp_ordered("<=", a, b), yes, no)

@@ -1,0 +1,35 @@
+"""Independent subsystems: coordinates in which all matrices of a system fall into the same diagonal blocks."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.linalg as sla
+from scipy.sparse.csgraph import connected_components
+
+from periodic.checks import FloatArray
+
+# Couplings below this part of the norm of their matrix are rounding: the eigenvectors below are good to about 1e-13.
+COUPLING = 1e-11
+
+
+def independent_blocks(matrices: FloatArray) -> list[FloatArray]:
+    """Return orthonormal bases (n, b) of subspaces that all ``matrices`` (p, n, n) and their transposes leave
+    invariant.
+
+    If such subspaces exist, every symmetric combination of the matrices respects them. The eigenvectors of a random
+    one do not mix them, since its eigenvalues are distinct with probability one; which eigenvectors belong together is
+    read off the matrices in this basis. A symmetric load, for instance, leaves even and odd shapes apart.
+    (Subsystems that occur twice share eigenvalues and are left together: correct, only slower.)
+    """
+    sizes = np.linalg.norm(matrices, axis=(1, 2))
+    scaled = matrices[sizes > 0] / sizes[sizes > 0, None, None]
+    if len(scaled) == 0:
+        return [basis[:, None] for basis in np.eye(matrices.shape[1])]
+    symmetric = (scaled + scaled.transpose(0, 2, 1)) / 2
+    skew = (scaled - scaled.transpose(0, 2, 1)) / 2
+    candidates = np.concatenate([symmetric, skew.transpose(0, 2, 1) @ skew])
+    weights = np.random.default_rng(0).uniform(0.5, 1.5, len(candidates))
+    _, X = sla.eigh(np.tensordot(weights, candidates, 1))
+    coupled = (np.abs(X.T @ scaled @ X) > COUPLING).any(axis=0)
+    count, label = connected_components(coupled, directed=False)
+    return [np.ascontiguousarray(X[:, label == i]) for i in range(count)]
