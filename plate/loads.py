@@ -23,7 +23,7 @@ DEFAULT_HARMONICS = 5
 MOST_HARMONICS = 1000
 
 # Two places on the edge that differ by less are the same: rounding of centre - width / 2, never a real gap.
-EDGE_ROUNDING = 1e-12
+EDGE_ROUNDING = 1e-14
 
 # A mean this near to 1 is 1: scaling it again would only change the last digit.
 ROUNDING = 1e-14

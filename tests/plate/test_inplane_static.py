@@ -199,6 +199,9 @@ def test_shape_of_a_stress_field() -> None:
     field = MovingPlate(inplane="static").stress(1.0, 0, [0.1, 0.2, 0.3], [0.5, 1.0])
     assert field.N_xx.shape == field.N_yy.shape == field.N_xy.shape == (2, 3)
     assert not field.N_xx.flags.writeable
+    for inplane in ("membrane", "static"):  # rounding beyond the end of the plate is its end
+        field = MovingPlate(inplane=inplane).stress(1.0, 0, [1 + 1e-13], [1 + 1e-13])
+        assert field.x == field.y == 1.0
 
 
 @pytest.mark.parametrize(
