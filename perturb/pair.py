@@ -34,7 +34,7 @@ def pair_edges(C_p: FloatArray, C_q: FloatArray, L: ComplexArray) -> tuple[Float
     C_p, C_q, L = np.broadcast_arrays(C_p, C_q, L)
     S, D, product = (C_p + C_q) / 2, (C_p - C_q) / 2, C_p * C_q
     real, imag = L.real, L.imag
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         # both modes damped, eqs. (25), (27); discriminant < 0: stable at every detuning, NaN
         root = S * np.sqrt(imag**2 + 4 * product * (real - product))
         middle = D * imag
@@ -67,7 +67,7 @@ def pair_edges_vanishing(c_p: FloatArray, c_q: FloatArray, L: ComplexArray) -> t
 def pair_tip(C_p: FloatArray, C_q: FloatArray, L: ComplexArray) -> FloatArray:
     """Return the eps at which the region opens, for L the value at eps = 1 of a product that grows like eps^2."""
     reach = np.abs(L) + L.real  # 2 L where L is real and positive, 0 where it is real and negative
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         tip = np.sqrt(2 * C_p * C_q / reach)
     return np.where(reach > 0, tip, np.inf)
 
@@ -81,5 +81,5 @@ def pair_slope(C_p: FloatArray, C_q: FloatArray, L: ComplexArray) -> FloatArray:
 
 def _widening(C_p: FloatArray, C_q: FloatArray) -> FloatArray:
     """Return how much wider damping makes the region at large eps: arithmetic over geometric mean of C_p and C_q."""
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         return np.where(C_p + C_q > 0, (C_p + C_q) / (2 * np.sqrt(C_p * C_q)), 1.0)

@@ -128,6 +128,8 @@ class CoupledStates:
         return opened
 
     def edges(self, eps: FloatArray) -> tuple[FloatArray, FloatArray]:
+        if self._never_open:
+            return np.full(eps.shape, np.nan), np.full(eps.shape, np.nan)
         if len(self.block.states) > 2:
             intervals = np.array([block_interval(self.block, value) for value in eps.ravel().tolist()])
             low, high = self.j * intervals.reshape(-1, 2).T
@@ -150,7 +152,14 @@ class CoupledStates:
         uncoupled = (L == 0) & (self.kind == "difference")
         return np.where(uncoupled, np.nan, low + shift), np.where(uncoupled, np.nan, high + shift)
 
+    @property
+    def _never_open(self) -> bool:
+        """Modes of equal energy sign cannot destabilise each other in a conservative system."""
+        return self.kind == "difference" and self.block.conservative
+
     def _is_open(self, eps: float) -> bool:
+        if self._never_open:
+            return False
         if len(self.block.states) > 2:
             return not np.isnan(block_interval(self.block, eps)[0])
         C_p, C_q, L, _ = self._pair(np.array(0.0), np.array(eps))
