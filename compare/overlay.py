@@ -80,8 +80,10 @@ def overlay(
         axes.set_ylim(0, eps[-1])
         draw_growth(axes, chart, colour_bar=True)
         draw_traces(axes, traces)
-        draw_curves(axes, curves, eps[-1])
-        label_regions(axes, curves, eps[-1])
+        traced = {trace.near for trace in traces if trace.is_open.any()}
+        shown = [curve for curve in curves if curve.centre in traced or _is_visible(axes, curve, eps[-1])]
+        draw_curves(axes, shown, eps[-1])
+        label_regions(axes, shown, eps[-1])
         axes.set_xlabel("excitation frequency Ω")
         axes.set_ylabel("amplitude ε")
         axes.set_title(title, loc="left", pad=30)
@@ -187,7 +189,9 @@ def _frame_region(axes: Axes, shown: Sequence[tuple[TransitionCurve, BoundaryTra
     axes.set_ylim(0, max(trace.eps[-1] for _, trace in shown))
     axes.locator_params(nbins=5)
     if not any(trace.is_open.any() for _, trace in shown):
-        axes.text(0.5, 0.5, "no instability found", transform=axes.transAxes, ha="center", color=GREY)
+        axes.text(
+            0.5, 0.5, "no instability found", transform=axes.transAxes, ha="center", color=GREY, backgroundcolor="white"
+        )
 
 
 def _variant_handles(layers: Sequence[Layer]) -> list[Line2D | Patch]:
@@ -252,17 +256,9 @@ def _curve_eps(curve: TransitionCurve, eps_max: float) -> FloatArray:
 
 
 def label_regions(axes: Axes, curves: Sequence[TransitionCurve], eps_max: float) -> None:
-    """Write each region's resonance above the upper edge, spread so that no two labels touch.
-
-    Only regions inside the window that are wide enough to be seen are named: at least 1/400 of the window.
-    """
+    """Write each region's resonance above the upper edge, spread so that no two labels touch."""
     low, high = axes.get_xlim()
-    seen = []
-    for curve in curves:
-        lower, upper = curve.edges(eps_max)
-        if low < curve.centre < high and upper - lower > (high - low) / 400:
-            seen.append(curve)
-    seen.sort(key=lambda curve: curve.centre)
+    seen = sorted((curve for curve in curves if low < curve.centre < high), key=lambda curve: curve.centre)
     width_points = axes.get_window_extent().width * 72 / axes.figure.dpi
     wanted = [(curve.centre - low) / (high - low) * width_points for curve in seen]
     for curve, place in zip(seen, _spread(wanted, LABEL_SPACING_POINTS), strict=True):
@@ -276,6 +272,13 @@ def label_regions(axes: Axes, curves: Sequence[TransitionCurve], eps_max: float)
             annotation_clip=False,
             arrowprops={"arrowstyle": "-", "lw": 0.5, "color": GREY, "shrinkA": 0, "shrinkB": 0},
         )
+
+
+def _is_visible(axes: Axes, curve: TransitionCurve, eps_max: float) -> bool:
+    """Whether the region is at least 1/400 of the window wide somewhere."""
+    low, high = axes.get_xlim()
+    lower, upper = curve.edges(eps_max)
+    return bool(upper - lower > (high - low) / 400)
 
 
 def _spread(wanted: Sequence[float], spacing: float) -> list[float]:

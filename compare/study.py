@@ -147,7 +147,6 @@ def _run_variant(
 
 def _ladder(curve: TransitionCurve, eps_max: float, points: int) -> FloatArray:
     """Values of eps for a traced boundary: even, or crowded towards the tip of a damped region, where it turns."""
-    step = np.linspace(0, 1, points + 1)[1:]
-    if not 0 < curve.tip < eps_max:
-        return eps_max * step
-    return curve.tip + (eps_max - curve.tip) * np.linspace(0.02, 1, points) ** 2
+    tip = curve.tip if curve.tip < eps_max else 0.0
+    step = np.linspace(0.01, 1, points)
+    return tip + (eps_max - tip) * (step**2 if tip > 0 else step)
