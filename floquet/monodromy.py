@@ -22,7 +22,8 @@ STEP = 6.0
 TERMS = 40  # that a step of this length needs, about
 ORDER = 80  # never reached, unless the rate were wrong
 HALVINGS = 3  # of the step, while that helps
-PROBES = 8  # solutions that are integrated again with half the step
+PROBES = 8  # solutions that are integrated again with half the step, and with series as long as float64 can use:
+FINEST = np.finfo(float).eps / 16
 # What a term costs: a call, and 2 floating-point operations an entry at a moderate speed. Longer than this is refused.
 SECONDS_A_TERM, SECONDS_A_FLOP, MOST_SECONDS = 2e-6, 1e-10, 900.0
 
@@ -158,7 +159,7 @@ def period_map(block: Reduction, Omega: float, eps: float, tolerance: float) -> 
     best = PeriodMap(start, np.inf, np.inf)
     for _ in range(HALVINGS + 1):
         matrix = propagate(block, Omega, eps, steps, tolerance, start)
-        defect = matrix @ probes - propagate(block, Omega, eps, 2 * steps, tolerance, probes)
+        defect = matrix @ probes - propagate(block, Omega, eps, 2 * steps, FINEST, probes)
         halves = np.stack(np.split(defect, 2, axis=1)) / np.sqrt(share)
         # what both integrations have in common: rounding of the coefficients, and what the reduction dropped
         common = np.finfo(float).eps * np.sqrt(steps) + 2 * np.pi / Omega * block.neglected
@@ -206,7 +207,7 @@ def propagate(
             f"give Omega above {Omega * seconds / MOST_SECONDS:.3g}"
         )
     y1, y2 = start[:m].copy(), start[m:].copy()
-    local = max(0.1 * tolerance / steps, np.finfo(float).eps / 16)
+    local = max(0.1 * tolerance / steps, FINEST)
     status = integrate(block.equations, Omega, steps, ORDER, local, y1, y2)
     if status == OVERFLOWN:
         raise ValueError(

@@ -88,7 +88,7 @@ def spectrum(Phi: FloatArray, error: float, *, reciprocal: bool, form: FloatArra
         shift[mu == mu[i].conj()] = shift[i]
     top = int(modulus.argmax())
     log_modulus = float(np.log(modulus[top]))
-    upper = np.log((modulus + shift).max() / modulus[top])
+    upper = np.log1p((modulus + shift - modulus[top]).max() / modulus[top])
     lower = -np.log1p(-min(shift[top] / modulus[top], 0.5))
     log_error = float(max(upper, lower))
     if log_modulus > log_error:
