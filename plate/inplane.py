@@ -175,6 +175,10 @@ class InPlaneProblem:
         on_u = np.outer(rise, projection).ravel()
         return np.concatenate([on_u, np.zeros_like(on_u)])
 
+    def static_response(self, force: NumericArray) -> NumericArray:
+        """Return the coefficients of u and v, multiplied by beta, without inertia and transport: K_ie^-1 force."""
+        return sum((block.shapes @ (block.shapes.T @ force) for block in self.blocks), np.zeros_like(force))
+
     def response(self, force: NumericArray, kappa: float, mach: float, loss: float) -> ComplexArray:
         """Return the coefficients of u and v, multiplied by beta (1 + i w c); arguments as `InPlaneBlock.solve`."""
         coefficients = np.zeros(force.shape, dtype=np.complex128)

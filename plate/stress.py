@@ -104,7 +104,7 @@ class StaticStress:
         return self.problem.stresses(self._response(harmonic), X, Y)
 
     def _response(self, harmonic: int) -> ComplexArray:
-        return self.problem.response(self.forces[harmonic], 0.0, 0.0, 0.0)
+        return self.problem.static_response(self.forces[harmonic])
 
     def _stiffness(self, coefficients: NumericArray) -> NumericArray:
         return self.problem.stress_stiffness(coefficients, self.K, self.lateral)
