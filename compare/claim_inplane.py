@@ -8,7 +8,8 @@ from itertools import product
 
 import numpy as np
 
-from compare.evidence import ClaimVerdict, Finding, distance, judged, middle, number, regions, width
+from compare.evidence import ClaimVerdict, Finding, judged
+from compare.quantities import distance, middle, number, regions, width
 from compare.survey import ClaimRange, Named, some
 from plate import EdgeLoad, MovingPlate
 

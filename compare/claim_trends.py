@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise, product
 
-from compare.evidence import ClaimVerdict, Finding, Quantity, Region, distance, judged, middle, regions, width
+from compare.evidence import ClaimVerdict, Finding, judged
+from compare.quantities import Quantity, Region, distance, middle, regions, width
 from compare.survey import ClaimRange, Named, middle_part, part_name, some
 from plate import MovingPlate
 

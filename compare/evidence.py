@@ -12,20 +12,16 @@ the groups by one rule for every claim:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from functools import cached_property, lru_cache
-from typing import Any, Literal, NamedTuple
+from functools import cached_property
+from typing import Any
 
-import numpy as np
+from compare.quantities import Measured, Quantity
 
-from floquet import BoundaryTrace, Kind, trace_boundary
-from perturb import TransitionCurve, gyroscopic_modes, transition_curves
-from plate import MovingPlate
-
-# A width below this part of the frequency is no width: ten times what tracing resolves.
-CLOSED = 1e-8
+# So many findings of a group are tried until integration is decisive; regions that merge with others cannot be told.
+ATTEMPTS = 3
 
 
 class Verdict(StrEnum):
@@ -34,118 +30,6 @@ class Verdict(StrEnum):
     HOLDS = "holds"
     LIMITS = "holds with limits"
     FAILS = "does not hold"
-
-
-class Measured(NamedTuple):
-    """A number and its error; NaN where integration cannot tell."""
-
-    value: float
-    error: float
-
-
-@dataclass(frozen=True, eq=False)
-class Region:
-    """One region of one system, at one eps, by theory and by integration."""
-
-    system: str
-    plate: MovingPlate
-    curve: TransitionCurve
-    eps: float
-
-    @property
-    def name(self) -> str:
-        return f"{self.curve.label} of {self.system}"
-
-    @cached_property
-    def predicted(self) -> tuple[float, float]:
-        """Lower and upper edge by theory; NaN where closed."""
-        lower, upper = self.curve.edges(self.eps)
-        return float(lower), float(upper)
-
-    @cached_property
-    def trace(self) -> BoundaryTrace:
-        """The edges by integration."""
-        return trace_boundary(self.plate, self.curve.centre, np.array([self.eps]))
-
-    @property
-    def is_open(self) -> bool:
-        """Whether theory finds the region wide enough to be one."""
-        lower, upper = self.predicted
-        return upper - lower > CLOSED * self.curve.centre
-
-
-@dataclass(frozen=True, eq=False)
-class Quantity:
-    """A number that theory predicts and integration can measure.
-
-    Attributes
-    ----------
-    name : str
-        What it is, of which region and system.
-    predicted : float
-        Value by theory.
-    measure : callable or None
-        Returns the value by integration and its error; None for a plain number.
-    eps : float
-        Amplitude at which it is taken.
-    """
-
-    name: str
-    predicted: float
-    measure: Callable[[], Measured] | None = None
-    eps: float = 0.0
-
-    def measured(self) -> Measured:
-        return Measured(self.predicted, 0.0) if self.measure is None else self.measure()
-
-
-def width(region: Region) -> Quantity:
-    """Return the width of a region in Omega, 0 where it is closed; NaN by integration where it cannot be told."""
-
-    def measure() -> Measured:
-        trace = region.trace
-        if trace.kind[0] == Kind.STABLE:
-            return Measured(0.0, CLOSED * region.curve.centre)
-        return Measured(float(trace.upper[0] - trace.lower[0]), float(trace.lower_error[0] + trace.upper_error[0]))
-
-    lower, upper = region.predicted
-    return Quantity(f"width of {region.name}", upper - lower if region.is_open else 0.0, measure, region.eps)
-
-
-def middle(region: Region) -> Quantity:
-    """Return the middle of an open region; NaN by integration where it is closed."""
-
-    def measure() -> Measured:
-        trace = region.trace
-        error = float(trace.lower_error[0] + trace.upper_error[0]) / 2
-        return Measured(float(trace.lower[0] + trace.upper[0]) / 2, error)
-
-    return Quantity(f"middle of {region.name}", sum(region.predicted) / 2, measure, region.eps)
-
-
-def number(name: str, value: float) -> Quantity:
-    """Return a plain number, the same by theory and by integration."""
-    return Quantity(name, value)
-
-
-def part_of(quantity: Quantity, factor: float, name: str) -> Quantity:
-    """Return ``factor`` times a quantity."""
-
-    def measure() -> Measured:
-        value, error = quantity.measured()
-        return Measured(factor * value, factor * error)
-
-    return Quantity(name, factor * quantity.predicted, measure, quantity.eps)
-
-
-def distance(left: Quantity, right: Quantity, name: str) -> Quantity:
-    """Return |left - right|."""
-
-    def measure() -> Measured:
-        a, b = left.measured(), right.measured()
-        return Measured(abs(a.value - b.value), a.error + b.error)
-
-    return Quantity(name, abs(left.predicted - right.predicted), measure, max(left.eps, right.eps))
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,8 +71,9 @@ class Finding:
 
     @property
     def is_measurable(self) -> bool:
-        """Whether integration has something to say: not on plain numbers, such as stresses."""
-        return self.left.measure is not None or self.right.measure is not None
+        """Whether integration has something to say: not on plain numbers, such as stresses, nor on merged regions."""
+        has_regions = self.left.measure is not None or self.right.measure is not None
+        return has_regions and self.left.is_clear and self.right.is_clear
 
 
 @dataclass(frozen=True, eq=False)
@@ -303,35 +188,6 @@ class ClaimVerdict:
         }
 
 
-def regions(
-    system: str,
-    plate: MovingPlate,
-    eps: float,
-    *,
-    modes: int,
-    kind: Literal["sum", "difference"] = "sum",
-    order: Literal[1, 2] = 1,
-    interaction: Literal[1, 2] = 1,
-) -> dict[tuple[int, int], Region]:
-    """Return the regions among the lowest modes of a plate by (p, q), p <= q.
-
-    ``interaction`` 1 are those that a harmonic opens by itself, j = 1; 2 those at half their frequencies, which two
-    interactions with the first harmonic open together.
-    """
-    return {
-        (curve.q, curve.p): Region(system, plate, curve, eps)
-        for curve in _curves(plate, modes, kind, order)
-        if max(curve.p, curve.q) <= modes and (curve.j, curve.interaction) == (interaction, interaction)
-    }
-
-
-@lru_cache(maxsize=1024)
-def _curves(plate: MovingPlate, modes: int, kind: str, order: Literal[1, 2]) -> list[TransitionCurve]:
-    """Return the curves of a plate, kept since many claims look at the same plates."""
-    highest = float(gyroscopic_modes(plate.at(0.0)).frequencies[modes - 1])
-    return transition_curves(plate, (0.0, 2.001 * highest), order, (kind,))
-
-
 def judged(
     name: str,
     statement: str,
@@ -341,20 +197,23 @@ def judged(
     also: Sequence[Finding] = (),
 ) -> ClaimVerdict:
     """Repeat the telling findings by integration, those in ``also`` too, and return the verdict."""
-    traced = tuple(_trace(finding) for finding in [*_telling(findings), *also])
-    return ClaimVerdict(name, statement, scope, tuple(findings), traced)
-
-
-def _telling(findings: Sequence[Finding]) -> list[Finding]:
-    """Return of each group the finding that misses the claim most, or else the one that holds most narrowly.
-
-    "Smaller" must hold by more than eps to count as narrow: what first order leaves out is that large a part.
-    """
     groups: dict[str, list[Finding]] = {}
     for finding in findings:
         if finding.is_measurable:
             groups.setdefault(finding.group, []).append(finding)
-    return [min(group, key=_closeness) for group in groups.values()]
+    traced = [_tell(group) for group in groups.values()] + [_trace(finding) for finding in also]
+    return ClaimVerdict(name, statement, scope, tuple(findings), tuple(traced))
+
+
+def _tell(group: Sequence[Finding]) -> Traced:
+    """Trace the finding that misses the claim most, or else the one that holds most narrowly; the next if undecided."""
+    first, *others = sorted(group, key=_closeness)[:ATTEMPTS]
+    check = _trace(first)
+    for finding in others:
+        if check.decisive:
+            break
+        check = _trace(finding)
+    return check
 
 
 def _closeness(finding: Finding) -> tuple[int, float]:
