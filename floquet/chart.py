@@ -4,25 +4,28 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+import zipfile
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from joblib import Parallel, delayed
 from numpy.typing import ArrayLike, NDArray
-from threadpoolctl import threadpool_limits
 from tqdm import tqdm
 
-from floquet.column import column, needed_steps
-from floquet.coordinates import blocks
-from floquet.sampling import Workspace
-from periodic import PeriodicSystem, SystemFamily
-from periodic.checks import FloatArray, grid, one_of, workers
+from floquet.audit import ChartAudit, integrate_again, sample
+from floquet.column import Columns, chart_block, steps_needed
+from floquet.monodromy import member_at
+from floquet.multipliers import Kind
+from periodic import SystemFamily
+from periodic.checks import FloatArray, grid, one_of, whole_number, workers
 
-ARRAYS = ("Omega", "eps", "growth_rate", "multiplier", "kind", "error")
-COLUMNS_A_TASK = 8  # enough work to hide joblib's overhead, few enough to balance the load and to keep when interrupted
+# Enough columns to hide joblib's overhead, few enough to balance the load.
+COLUMNS_A_TASK = 8
+CELLS = ("growth_rate", "multiplier", "kind", "error")
+AUDIT = ("cells", "differences", "estimates", "contradictions")
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,11 +41,19 @@ class StabilityChart:
     growth_rate : ndarray, shape (k, m)
         log|mu| / T with T = 2 pi / Omega, in the units of Omega.
     multiplier : complex ndarray, shape (k, m)
-        The Floquet multiplier mu of largest modulus, imaginary part >= 0 (infinite where it exceeds the largest float).
+        The Floquet multiplier mu of largest modulus, imaginary part >= 0; infinite where it exceeds the largest float.
+        Where all multipliers are on the unit circle, one of them.
     kind : int8 ndarray, shape (k, m)
         Verdict, see `Kind`.
     error : ndarray, shape (k, m)
         Estimated error of log|mu|, dimensionless.
+    audit : ChartAudit or None
+        Some of the cells, integrated again by `monodromy`.
+
+    Raises
+    ------
+    ValueError
+        If the shapes do not fit, or a grid is not strictly increasing.
     """
 
     Omega: FloatArray
@@ -51,29 +62,38 @@ class StabilityChart:
     multiplier: NDArray[np.complex128]
     kind: NDArray[np.int8]
     error: FloatArray
+    audit: ChartAudit | None = None
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "Omega", grid("Omega", self.Omega, positive=True))
+        object.__setattr__(self, "eps", grid("eps", self.eps))
         shape = (self.eps.size, self.Omega.size)
-        for name in ("growth_rate", "multiplier", "kind", "error"):
-            if getattr(self, name).shape != shape:
-                raise ValueError(f"{name} has shape {getattr(self, name).shape}; give {shape}, as eps and Omega have")
-        for name in ARRAYS:
-            getattr(self, name).setflags(write=False)
+        for name in CELLS:
+            array = np.asarray(getattr(self, name))
+            if array.shape != shape:
+                raise ValueError(f"{name} has shape {array.shape}; give {shape}, as eps and Omega have")
+            object.__setattr__(self, name, array)
+            array.setflags(write=False)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the chart to the .npz file ``path``, which is replaced only once the new file is complete.
 
         Raises
         ------
+        ValueError
+            If ``path`` is not a path.
         OSError
             If the file cannot be written.
         """
-        path = Path(path)
-        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".part")
+        target = _path(path)
+        arrays = {name: getattr(self, name) for name in ("Omega", "eps", *CELLS)}
+        if self.audit is not None:
+            arrays |= {f"audit_{name}": getattr(self.audit, name) for name in AUDIT}
+        handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.", suffix=".part")
         try:
             with os.fdopen(handle, "wb") as file:
-                np.savez_compressed(file, **{name: getattr(self, name) for name in ARRAYS})
-            os.replace(temporary, path)
+                np.savez_compressed(file, **arrays)
+            os.replace(temporary, target)
         except BaseException:
             os.unlink(temporary)
             raise
@@ -87,15 +107,16 @@ class StabilityChart:
         OSError
             If there is no such file.
         ValueError
-            If the file is not a chart.
+            If ``path`` is not a path, or the file is not a chart.
         """
+        source = _path(path)
         try:
-            with np.load(path, allow_pickle=False) as file:
-                return cls(**{name: file[name] for name in ARRAYS})
-        except (KeyError, ValueError, EOFError) as error:
-            raise ValueError(
-                f"path = {str(path)!r} is not a saved chart ({error}); give a file that save wrote"
-            ) from None
+            with source.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
+                audit = ChartAudit(*(arrays[f"audit_{name}"] for name in AUDIT)) if "audit_cells" in arrays else None
+                return cls(*(arrays[name] for name in ("Omega", "eps", *CELLS)), audit=audit)
+        except (KeyError, ValueError, TypeError, AttributeError, EOFError, zipfile.BadZipFile) as error:
+            message = f"path = {str(path)!r} is not a saved chart ({error}); give a file that save wrote"
+            raise ValueError(message) from None
 
     def to_xarray(self) -> Any:
         """Return the chart as an `xarray.Dataset` with dimensions (eps, Omega).
@@ -109,7 +130,7 @@ class StabilityChart:
             import xarray
         except ImportError:
             raise ImportError("to_xarray needs the package xarray; install it with: pip install xarray") from None
-        cells = {name: (("eps", "Omega"), getattr(self, name)) for name in ARRAYS[2:]}
+        cells = {name: (("eps", "Omega"), getattr(self, name)) for name in CELLS}
         return xarray.Dataset(cells, coords={"Omega": self.Omega, "eps": self.eps})
 
 
@@ -120,22 +141,27 @@ def stability_chart(
     *,
     n_jobs: int | None = -1,
     progress: bool | None = None,
+    audit: int = 16,
 ) -> StabilityChart:
     """Integrate the periodic system at every point of a grid and return its stability chart.
 
     Parameters
     ----------
     family : SystemFamily
-        A `PeriodicSystem`, or anything whose ``at(Omega)`` returns one.
+        A `PeriodicSystem`, or anything whose ``at(Omega)`` returns one; only its excitation may depend on the
+        frequency.
     Omega : array_like, shape (m,)
         Excitation frequencies, positive and strictly increasing, in the units of the system.
     eps : array_like, shape (k,)
-        Relative excitation amplitudes, strictly increasing, dimensionless.
+        Relative excitation amplitudes, strictly increasing, of any sign, dimensionless.
     n_jobs : int or None
         Workers, as in joblib: -1 for all cores, None for what `joblib.parallel_config` says. Threads, unless
         `joblib.parallel_config` names another backend. The result is the same to the last bit.
     progress : bool or None
         Whether to show a progress bar; None shows it on a terminal only.
+    audit : int
+        How many cells, drawn at random (always the same ones), to integrate again with `monodromy` for comparison,
+        besides the one with the largest error; 0 for none.
 
     Returns
     -------
@@ -144,74 +170,59 @@ def stability_chart(
     Raises
     ------
     ValueError
-        If an argument has the wrong type, shape, order or sign, or holds NaN or infinity.
+        If an argument has the wrong type, shape, order or sign, or holds NaN or infinity; if a period has more steps
+        than can be taken.
+
+    Notes
+    -----
+    docs/engine.md explains the method. A worker needs about 0.2 GB at most besides its results, most charts a hundredth
+    of that.
     """
-    if not callable(getattr(family, "at", None)):
-        raise ValueError(f"family = {family!r} has no method at(Omega); give a PeriodicSystem or a family of them")
     Omega, eps = grid("Omega", Omega, positive=True), grid("eps", eps)
+    member_at(family, float(Omega[0]), "family")
     n_jobs = workers("n_jobs", n_jobs)
     progress = one_of("progress", progress, (True, False, None))
+    audit = whole_number("audit", audit, least=0)
 
-    steps = _steps_a_cycle(family, Omega, eps)
+    few = Omega[np.unique([0, Omega.size // 2, Omega.size - 1])]
+    steps = steps_needed([family.at(float(w)) for w in few], few, eps)
 
-    def tasks() -> Iterator[Any]:
+    def blocks() -> Iterator[Any]:
         for start in range(0, Omega.size, COLUMNS_A_TASK):
-            columns = Omega[start : start + COLUMNS_A_TASK]
-            yield delayed(_numbered_block)(start, [family.at(float(w)) for w in columns], columns, eps, steps)
+            columns = slice(start, min(start + COLUMNS_A_TASK, Omega.size))
+            systems = [family.at(float(w)) for w in Omega[columns]]
+            yield delayed(_labelled)(columns, chart_block, systems, Omega[columns], eps, steps)
 
     parallel = Parallel(n_jobs=n_jobs, prefer="threads", batch_size=1, return_as="generator_unordered")
     shape = (eps.size, Omega.size)
-    cells = Block(np.empty(shape), np.empty(shape, np.complex128), np.empty(shape, np.int8), np.empty(shape))
+    cells = Columns(np.empty(shape), np.empty(shape, np.complex128), np.empty(shape, np.int8), np.empty(shape))
     with tqdm(total=Omega.size, unit="column", disable=None if progress is None else not progress) as bar:
-        for start, part in parallel(tasks()):
-            width = part.growth_rate.shape[1]
-            for name in Block._fields:
-                getattr(cells, name)[:, start : start + width] = getattr(part, name)
-            bar.update(width)
-    return StabilityChart(Omega, eps, *cells)
+        for columns, block in parallel(blocks()):
+            for name in Columns._fields:
+                getattr(cells, name)[:, columns] = getattr(block, name)
+            bar.update(columns.stop - columns.start)
+    chart = StabilityChart(Omega, eps, *cells)
+    return chart if audit == 0 else replace(chart, audit=_audited(family, chart, audit, parallel))
 
 
-class Block(NamedTuple):
-    """The cells of a few columns, each array of shape (k, columns)."""
-
-    growth_rate: FloatArray
-    multiplier: NDArray[np.complex128]
-    kind: NDArray[np.int8]
-    error: FloatArray
-
-
-def chart_block(systems: Sequence[PeriodicSystem], Omega: FloatArray, eps: FloatArray, steps_a_cycle: float) -> Block:
-    """Return a few columns of a chart, one for each system and frequency: a pure function, safe to keep its results."""
-    work = Workspace()
-    columns, last, parts = [], None, []
-    with blas_threads():
-        for system, frequency in zip(systems, Omega, strict=True):
-            if system is not last:
-                last, parts = system, blocks(system)
-            columns.append(column(parts, float(frequency), eps, steps_a_cycle, work))
-    log_modulus, angle, error, kind = (np.stack(part, axis=1) for part in zip(*columns, strict=True))
-    with np.errstate(over="ignore"):
-        modulus = np.exp(log_modulus)
-    direction = np.cos(angle) + 1j * np.sin(angle)
-    return Block(log_modulus * Omega / (2 * np.pi), modulus * direction, kind, error)
+def _audited(family: SystemFamily, chart: StabilityChart, size: int, parallel: Parallel) -> ChartAudit:
+    cells = sample(chart.error, size)
+    points = [(float(chart.Omega[j]), float(chart.eps[i])) for i, j in cells]
+    tasks = (delayed(_labelled)(a, integrate_again, family.at(w), w, e) for a, (w, e) in enumerate(points))
+    again = np.array([found for _, found in sorted(parallel(tasks))])
+    i, j = cells.T
+    log_modulus = chart.growth_rate[i, j] * 2 * np.pi / chart.Omega[j]
+    kinds, others = chart.kind[i, j], again[:, 2]
+    contradictions = (kinds >= 0) & (others >= 0) & ((kinds > Kind.STABLE) != (others > Kind.STABLE))
+    return ChartAudit(cells, np.abs(log_modulus - again[:, 0]), chart.error[i, j] + again[:, 1], contradictions)
 
 
-def _numbered_block(start: int, *arguments: Any) -> tuple[int, Block]:
-    return start, chart_block(*arguments)
+def _labelled(label: Any, function: Any, *arguments: Any) -> tuple[Any, Any]:
+    """Return ``label`` and what the function returns: results arrive in any order."""
+    return label, function(*arguments)
 
 
-def _steps_a_cycle(family: SystemFamily, Omega: FloatArray, eps: FloatArray) -> float:
-    """Return the steps in one cycle of the fastest motion that a few columns need; the others get as many."""
-    work = Workspace()
-    with blas_threads():
-        return max(
-            needed_steps(block, float(w), eps, work)
-            for w in np.unique(Omega[[0, Omega.size // 2, -1]])
-            for block in blocks(family.at(float(w)))
-        )
-
-
-def blas_threads() -> Any:
-    """Return a context in which BLAS uses one thread: the workers are the threads, and results do not depend on their
-    number."""
-    return threadpool_limits(limits=1, user_api="blas")
+def _path(path: Any) -> Path:
+    if not isinstance(path, str | os.PathLike):
+        raise ValueError(f"path = {path!r} is not a path; give a file name")
+    return Path(path)

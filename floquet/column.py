@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from floquet.coordinates import Block, equations
+from floquet.coordinates import Block, blocks, equations
 from floquet.doubling import TOLERANCE
 from floquet.lanes import WIDTH
 from floquet.sampling import Sampler, Workspace
 from floquet.spectra import eigenvalues
 from floquet.symplectic import reciprocal_pairs, symplectic_eigenvalues
+from floquet.threads import single_blas_thread
 from floquet.verdict import Cells, ComplexArray, combine, discrepancy, dominant, dominant_symplectic, judge
+from periodic import PeriodicSystem
 from periodic.checks import FloatArray
 
 # Steps in one cycle of the fastest motion, at least. With fewer than two and a bit, the steps themselves are in
@@ -26,14 +30,54 @@ SAFETY = 2.0
 UNIT = float(np.finfo(float).eps)
 
 
+class Columns(NamedTuple):
+    """The cells of some columns of a chart, each array of shape (k, columns)."""
+
+    growth_rate: FloatArray
+    multiplier: ComplexArray
+    kind: NDArray[np.int8]
+    error: FloatArray
+
+
+def chart_block(systems: Sequence[PeriodicSystem], Omega: FloatArray, eps: FloatArray, steps_a_cycle: float) -> Columns:
+    """Return some columns of a chart, one for each system and frequency.
+
+    A pure function, in which each column depends on its own system and frequency, ``eps`` and ``steps_a_cycle`` alone:
+    blocks can be computed anywhere, in any order, and kept.
+    """
+    work, columns = Workspace(), []
+    last, parts = None, []
+    with single_blas_thread():
+        for system, frequency in zip(systems, Omega, strict=True):
+            if system is not last:
+                last, parts = system, blocks(system)
+            columns.append(column(parts, float(frequency), eps, steps_a_cycle, work))
+    log_modulus, angle, error, kind = (np.stack(part, axis=1) for part in zip(*columns, strict=True))
+    with np.errstate(over="ignore"):
+        modulus = np.exp(log_modulus)
+    growth_rate = log_modulus * Omega / (2 * np.pi)
+    return Columns(growth_rate, modulus * np.cos(angle) + 1j * (modulus * np.sin(angle)), kind, error)
+
+
+def steps_needed(systems: Sequence[PeriodicSystem], Omega: FloatArray, eps: FloatArray) -> float:
+    """Return how many steps in one cycle of the fastest motion the given columns need, for `chart_block`."""
+    work = Workspace()
+    with single_blas_thread():
+        return max(
+            _needed_steps(block, float(frequency), eps, work)
+            for system, frequency in zip(systems, Omega, strict=True)
+            for block in blocks(system)
+        )
+
+
 def column(blocks: Sequence[Block], Omega: float, eps: FloatArray, steps_a_cycle: float, work: Workspace) -> Cells:
     """Return the cells at frequency ``Omega`` and amplitudes ``eps``."""
     return combine([_block_column(block, Omega, eps, steps_a_cycle, work) for block in blocks])
 
 
-def needed_steps(block: Block, Omega: float, eps: FloatArray, work: Workspace) -> float:
+def _needed_steps(block: Block, Omega: float, eps: FloatArray, work: Workspace) -> float:
     """Return how many steps in one cycle of the fastest motion bring the error at ``Omega`` down to TARGET."""
-    sampler, some = Sampler(block, equations(block, Omega), Omega, work), eps[_tested(eps)]
+    sampler, some = Sampler(block, equations(block, least_frequency(Omega)), Omega, work), eps[_tested(eps)]
     steps = LEAST_STEPS
     while True:
         L = log2_steps(block, Omega, eps, steps)
@@ -48,6 +92,11 @@ def fastest(block: Block, Omega: float, eps: FloatArray) -> float:
     """Return the rate of the fastest motion: of the system at its stiffest, or of the excitation."""
     stiffness = np.abs(eps).max() * np.linalg.norm(np.concatenate([block.Fc, block.Fs]), axis=(1, 2)).sum()
     return max(math.sqrt(block.rate**2 + stiffness), len(block.Fc) * Omega)
+
+
+def least_frequency(Omega: float) -> float:
+    """Return a frequency well below Omega that serves as a scale where there is no stiffness; few different ones."""
+    return 2.0 ** math.floor(math.log2(Omega / 50))
 
 
 def log2_steps(block: Block, Omega: float, eps: FloatArray, steps_a_cycle: float) -> int:
@@ -74,7 +123,7 @@ def lane_weights(weights: FloatArray) -> FloatArray:
 
 def _block_column(block: Block, Omega: float, eps: FloatArray, steps_a_cycle: float, work: Workspace) -> Cells:
     L = log2_steps(block, Omega, eps, steps_a_cycle)
-    sampler = Sampler(block, equations(block, Omega), Omega, work)
+    sampler = Sampler(block, equations(block, least_frequency(Omega)), Omega, work)
     mu, exponents = multipliers(sampler, eps, L, TOLERANCE)
     tested = _tested(eps)
     measured = _discrepancies(sampler, mu[tested], exponents[tested], eps[tested], L)

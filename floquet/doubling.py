@@ -14,40 +14,40 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from floquet.interpolation import chebyshev_points, chebyshev_weights, degree, trigonometric_weights
 from periodic.checks import FloatArray
 
-# Error of the interpolation over the whole period, if the bound on growth were attained. It never is: with this value
-# the errors measured are below 1e-12 of the norm, which is rounding.
-TOLERANCE = 1e-10
+# Error of each interpolation if the bound on growth were attained. It never is: with this value the errors measured
+# are a few 1e-13 of the norm, which is rounding.
+TOLERANCE = 1e-11
 # Samples at different phases may differ in size by the exponential of twice this; interpolating between more than that
 # would lose the small ones to the rounding of the large.
 MOST_GROWTH = 3.0
 LARGE = 2.0**200
 
 
-class Level(NamedTuple):
-    """Weights of one doubling, from the samples of P_l to those of its two factors.
+class Schedule(NamedTuple):
+    """Samples and weights of all doublings.
 
-    ``nodes`` (m', m) for the amplitudes; ``first`` and ``second`` (p', p) for the phases theta and theta + 2 pi / B.
-    Empty where the samples are those needed: all B phases that occur are there, or the phases or nodes stay.
+    Attributes
+    ----------
+    phases, nodes : tuple of int
+        P_l is sampled at ``phases[l]`` equispaced phases and ``nodes[l]`` amplitudes.
+    weights : ndarray
+        For each doubling the matrix (nodes[l + 1], nodes[l]) that interpolates in eps, and those (phases[l + 1],
+        phases[l]) that interpolate to the phases theta of the first and theta + 2 pi / B of the second factor, one
+        after the other.
+    present : bool ndarray, shape (L, 3)
+        Which of these matrices are there. Missing are those that would change nothing, and both of the last kind
+        where all phases that occur have been sampled.
     """
 
-    nodes: FloatArray
-    first: FloatArray
-    second: FloatArray
-
-
-class Schedule(NamedTuple):
-    """``phases[l]`` and ``nodes[l]``: samples of P_l; ``levels[l]``: from P_l to P_{l+1}."""
-
-    phases: tuple[int, ...]
-    nodes: tuple[int, ...]
-    levels: tuple[Level, ...]
-
-
-EMPTY = np.empty((0, 0))
+    phases: NDArray[np.int64]
+    nodes: NDArray[np.int64]
+    weights: FloatArray
+    present: NDArray[np.bool_]
 
 
 def quantised(x: float) -> float:
@@ -64,41 +64,86 @@ def schedule(L: int, x_phase: tuple[float, ...], x_eps: float, tolerance: float)
     (0: the amplitudes are those wanted, and stay).
     """
     steps = [2 ** (L - level) for level in range(L + 1)]  # B
-    phases = [_phases(B, x_phase, tolerance) for B in steps]
-    nodes = [degree((x_eps / B,), tolerance / B) + 1 if x_eps > 0 else 1 for B in steps]
-    levels = []
-    for B, p, q, m, k in zip(steps, phases, phases[1:], nodes, nodes[1:], strict=False):
-        theta = 2 * np.pi * np.arange(q) / q
-        levels.append(
-            Level(
-                nodes=EMPTY if k == m else chebyshev_weights(m, chebyshev_points(k)),
-                first=EMPTY if p in (B, q) else trigonometric_weights(p, theta),
-                second=EMPTY if p == B else trigonometric_weights(p, theta + 2 * np.pi / B),
-            )
-        )
-    return Schedule(tuple(phases), tuple(nodes), tuple(levels))
+    phases = [_phases(B, tuple(x / B for x in x_phase), tolerance) for B in steps]
+    nodes = [degree((x_eps / B,), tolerance) + 1 if x_eps > 0 else 1 for B in steps]
+    weights, present = [np.empty(0)], np.zeros((L, 3), bool)
+    for level in range(L):
+        B, p, q, m, k = steps[level], *phases[level : level + 2], *nodes[level : level + 2]
+        present[level] = k != m, p not in (B, q), p != B
+        if k != m:
+            weights.append(_from_nodes_to_nodes(m, k))
+        if p not in (B, q):
+            weights.append(_to_phases(p, q, 0.0))
+        if p != B:
+            weights.append(_to_phases(p, q, 2 * math.pi / B))
+    return Schedule(np.array(phases), np.array(nodes), np.concatenate(weights), present)
 
 
-def _phases(B: int, x_phase: tuple[float, ...], tolerance: float) -> int:
-    if sum(x_phase) > MOST_GROWTH * B:
-        return B
-    return min(B, 2 * degree(tuple(x / B for x in x_phase), tolerance / B) + 1)
+def _phases(B: int, x: tuple[float, ...], tolerance: float) -> int:
+    return B if sum(x) > MOST_GROWTH else min(B, 2 * degree(x, tolerance) + 1)
+
+
+@lru_cache(maxsize=1024)
+def _from_nodes_to_nodes(m: int, k: int) -> FloatArray:
+    return chebyshev_weights(m, chebyshev_points(k)).ravel()
+
+
+@lru_cache(maxsize=1024)
+def _to_phases(p: int, q: int, shift: float) -> FloatArray:
+    return trigonometric_weights(p, 2 * np.pi * np.arange(q) / q + shift).ravel()
+
+
+@njit(cache=True, nogil=True)
+def doublings(
+    P: FloatArray,
+    phases: NDArray[np.int64],
+    nodes: NDArray[np.int64],
+    weights: FloatArray,
+    present: NDArray[np.bool_],
+    exponents: FloatArray,
+    work: tuple[FloatArray, FloatArray, FloatArray],
+) -> FloatArray:
+    """Return the samples of P_L, given those of P_0, shape (phases[0], m, N, N), and a `Schedule`.
+
+    What is returned is to be multiplied by 2^exponents; there is one exponent for each amplitude, or a common one. P_0
+    may be in ``work[0]``; each array of ``work`` has room for what is written to it.
+    """
+    N, used = P.shape[2], 0
+    for level in range(present.shape[0]):
+        p, q, m = phases[level], phases[level + 1], P.shape[1]
+        k = nodes[level + 1] if present[level, 0] else m
+        rows = np.array([k, q, q]) * present[level]
+        columns = np.array([m, p, p])
+        ends = used + (rows * columns).cumsum()
+        to_nodes = weights[used : ends[0]].reshape(rows[0], m)
+        first = weights[ends[0] : ends[1]].reshape(rows[1], p)
+        second = weights[ends[1] : ends[2]].reshape(rows[2], p)
+        used = ends[2]
+        target = work[1] if level % 2 == 0 else work[0]
+        result = target[: q * k * N * N].reshape(q, k, N, N)
+        double(P, to_nodes, first, second, result, work[2])
+        P = result
+        exponents *= 2.0
+        rescale(P, exponents)
+    return P
 
 
 @njit(cache=True, nogil=True)
 def double(
-    P: FloatArray, nodes: FloatArray, first: FloatArray, second: FloatArray, result: FloatArray, scratch: FloatArray
+    P: FloatArray, to_nodes: FloatArray, first: FloatArray, second: FloatArray, result: FloatArray, scratch: FloatArray
 ) -> None:
-    """Write P_{l+1} (p', m', N, N) from P_l (p, m, N, N) by the weights of a `Level`; ``scratch`` has (p + 2 p') m'
-    N^2 entries."""
+    """Write P_{l+1} (p', m', N, N) from P_l (p, m, N, N), by weights as in a `Schedule`, empty if missing there.
+
+    ``scratch`` has room for (p + 2 p') m' matrices.
+    """
     p, m, N = P.shape[0], P.shape[1], P.shape[2]
     used = 0
-    if nodes.size > 0:
-        finer = scratch[: p * nodes.shape[0] * N * N].reshape(p, nodes.shape[0], N * N)
+    if to_nodes.size > 0:
+        m = to_nodes.shape[0]
+        finer = scratch[: p * m * N * N].reshape(p, m, N * N)
         for i in range(p):
-            np.dot(nodes, P[i].reshape(m, N * N), finer[i])
-        used, m = finer.size, nodes.shape[0]
-        P = finer.reshape(p, m, N, N)
+            np.dot(to_nodes, P[i].reshape(P.shape[1], N * N), finer[i])
+        P, used = finer.reshape(p, m, N, N), finer.size
     begin, end, stride, offset = P, P, 2, 1
     if second.size > 0:
         q, stride, offset = second.shape[0], 1, 0
@@ -118,15 +163,15 @@ def double(
 def rescale(P: FloatArray, exponents: FloatArray) -> None:
     """Take powers of two out of P (p, m, N, N) where it is far from one, and add them to ``exponents``.
 
-    One exponent for every amplitude, (m,), or a common one, (1,), for those that will be interpolated between.
+    One exponent for each amplitude, (m,), or a common one, (1,), for those that will be interpolated between.
     """
     share = P.shape[1] // exponents.size
     for i in range(exponents.size):
-        size = 0.0
-        for phase in P[:, i * share : (i + 1) * share]:
-            for entry in phase.flat:
-                size = max(size, abs(entry))
-        if size > LARGE or 0.0 < size < 1.0 / LARGE:
-            exponent = np.floor(np.log2(size))
+        square = 0.0
+        for phase in range(P.shape[0]):
+            part = P[phase, i * share : (i + 1) * share].ravel()
+            square += np.dot(part, part)
+        if square > LARGE**2 or 0.0 < square < LARGE**-2:
+            exponent = np.floor(0.5 * np.log2(square))
             P[:, i * share : (i + 1) * share] *= 2.0**-exponent
             exponents[i] += exponent

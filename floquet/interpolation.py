@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,6 +11,7 @@ from numpy.typing import ArrayLike
 from periodic.checks import FloatArray
 
 
+@lru_cache(maxsize=4096)
 def degree(x: tuple[float, ...], tolerance: float) -> int:
     """Return the degree beyond which the Fourier coefficients of exp(sum_j x_j cos j z), j = 1, 2, ..., are below
     ``tolerance``.

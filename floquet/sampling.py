@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from floquet.coordinates import Block, Equations
-from floquet.doubling import EMPTY, Level, Schedule, double, quantised, rescale, schedule
+from floquet.doubling import Schedule, doublings, quantised, rescale, schedule
 from floquet.interpolation import chebyshev_points, chebyshev_weights, trigonometric_weights
 from floquet.kernels import single_steps
 from floquet.lanes import WIDTH
@@ -41,12 +41,12 @@ class Workspace:
     def __init__(self) -> None:
         self._buffers = [np.empty(0), np.empty(0), np.empty(0)]
 
-    def array(self, which: int, *shape: int) -> FloatArray:
-        """Return array number ``which`` (0, 1, 2) in the given shape; what it holds is void."""
-        size = math.prod(shape)
-        if self._buffers[which].size < size:
-            self._buffers[which] = np.empty(size)
-        return self._buffers[which][:size].reshape(shape)
+    def arrays(self, *sizes: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return three arrays with at least ``sizes`` entries, contents void."""
+        for i, size in enumerate(sizes):
+            if self._buffers[i].size < size:
+                self._buffers[i] = np.empty(size)
+        return self._buffers[0], self._buffers[1], self._buffers[2]
 
 
 class Sampler:
@@ -76,12 +76,10 @@ class Sampler:
         """Return a panel with samples at Chebyshev points; None if they would be too many, or are too unequal."""
         middle, radius = (eps[-1] + eps[0]) / 2, (eps[-1] - eps[0]) / 2
         plan = self._plan(eps, radius, L, tolerance)
-        most = max(p * m for p, m in zip(plan.phases, plan.nodes, strict=True))
-        if plan.nodes[-1] >= len(eps) or most * self.size**2 > MOST_ENTRIES:
+        if plan.nodes[-1] >= len(eps) or (plan.phases * plan.nodes).max() * self.size**2 > MOST_ENTRIES:
             return None
         exponents = np.zeros(1)
-        P = self._single_steps(plan.phases[0], middle + radius * chebyshev_points(plan.nodes[0]), L)
-        samples = self._double(P, plan.levels, exponents, self.work)[0]
+        samples = self._sample(plan, middle + radius * chebyshev_points(plan.nodes[0]), L, L, exponents)[0]
         sizes = np.linalg.norm(samples, axis=(1, 2))
         if not sizes.max() <= MOST_CONTRAST * sizes.min():
             return None
@@ -99,7 +97,7 @@ class Sampler:
         if stop < L and len(eps) > 1:
             return None
         exponents = np.zeros(len(eps))
-        P = self._double(self._single_steps(plan.phases[0], eps, L), plan.levels[:stop], exponents, self.work)
+        P = self._sample(plan, eps, L, stop, exponents)
         samples = P[0] if stop == L else self._ordered_product(P, 2 ** (L - stop), growth, exponents)
         return Panel(slice(0), samples, np.eye(len(eps)), exponents)
 
@@ -111,24 +109,16 @@ class Sampler:
         x_phase = tuple(quantised(x) for x in np.abs(eps).max() * growth)
         return schedule(L, x_phase, quantised(radius * growth.sum()), tolerance)
 
-    def _single_steps(self, phases: int, eps: FloatArray, L: int) -> FloatArray:
-        P = self.work.array(0, phases, len(eps), self.size, self.size)
+    def _sample(self, plan: Schedule, eps: FloatArray, L: int, levels: int, exponents: FloatArray) -> FloatArray:
+        """Return the samples of P_levels for a schedule that begins at the amplitudes ``eps``."""
+        m, size = len(eps) // plan.nodes[0] * plan.nodes, self.size**2
+        samples = int((plan.phases * m).max()) * size
+        scratch = int(((plan.phases[:-1] + 2 * plan.phases[1:]) * m[1:]).max(initial=0)) * size
+        work = self.work.arrays(samples, samples, scratch)
+        P = work[0][: plan.phases[0] * len(eps) * size].reshape(plan.phases[0], len(eps), self.size, self.size)
         A, left, right, _ = self.equations
         single_steps(A, self.block.Fc, self.block.Fs, left, right, self.period / 2**L, eps, P)
-        return P
-
-    def _double(self, P: FloatArray, levels: tuple[Level, ...], exponents: FloatArray, work: Workspace) -> FloatArray:
-        """Apply ``levels`` to P, which is array 0 of ``work`` or none of them."""
-        for i, level in enumerate(levels):
-            p, m = P.shape[:2]
-            nodes, phases = len(level.nodes) or m, len(level.second) or p // 2
-            scratch = work.array(2, (p + 2 * phases) * nodes * self.size**2)
-            result = work.array(1 - i % 2, phases, nodes, self.size, self.size)
-            double(P, *level, result, scratch)
-            P = result
-            exponents *= 2
-            rescale(P, exponents)
-        return P
+        return doublings(P, plan.phases, plan.nodes, plan.weights, plan.present[:levels], exponents, work)
 
     def _ordered_product(self, P: FloatArray, B: int, growth: float, exponents: FloatArray) -> FloatArray:
         """Return the product of the B factors P(2 pi b / B), b = 0 ... B - 1, of one amplitude, a part of them at a
@@ -136,7 +126,9 @@ class Sampler:
         p, halvings = P.shape[0], 0
         while 2**halvings < B and self._fits(2 ** (halvings + 1), 2 ** (halvings + 1) * growth / B):
             halvings += 1
-        product, total, work = np.eye(self.size)[None, None], np.zeros(1), Workspace()
+        some, missing = 2 ** np.arange(halvings, -1, -1), np.zeros((halvings, 3), bool)
+        product, total = np.eye(self.size)[None, None], np.zeros(1)
+        work = Workspace().arrays(2**halvings * self.size**2, 2**halvings * self.size**2, 0)
         for start in range(0, B, 2**halvings):
             phases = np.arange(start, start + 2**halvings)
             if p < B:
@@ -145,7 +137,7 @@ class Sampler:
             else:
                 factors = P[phases]
             part = exponents.copy()
-            product = self._double(factors, (Level(EMPTY, EMPTY, EMPTY),) * halvings, part, work) @ product
+            product = doublings(factors, some, some, np.empty(0), missing, part, work) @ product
             total += part
             rescale(product, total)
         exponents[:] = total
