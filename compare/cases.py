@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import tomllib
+from importlib.resources import files
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar
 
@@ -123,6 +124,11 @@ class Case(_Table):
             raise ValueError(_explain(error, where)) from None
         except ValueError as error:
             raise ValueError(f"{where}: {error}") from None
+
+
+def shipped_cases() -> list[Path]:
+    """Return the case files that come with the package, sorted by name."""
+    return sorted(Path(str(file)) for file in files("floquet_cases").iterdir() if file.name.endswith(".toml"))
 
 
 def load_case(path: str | Path) -> Case:

@@ -8,11 +8,9 @@ import json
 import sys
 from pathlib import Path
 
-from compare.cases import Case, load_case
+from compare.cases import Case, load_case, shipped_cases
 from compare.publish import staged
 from compare.study import CaseStudy, run_case
-
-CASES = Path(__file__).resolve().parent.parent / "cases"
 
 EPILOG = """\
 examples:
@@ -28,7 +26,7 @@ its keys. The exit status is 0 if theory and integration agree everywhere, 1 if 
 def main(arguments: list[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     try:
-        cases = [load_case(path) for path in options.case or sorted(CASES.glob("*.toml"))]
+        cases = [load_case(path) for path in options.case or shipped_cases()]
         studies = [_study(case, options) for case in cases]
     except ValueError as error:
         print(f"validate: {error}", file=sys.stderr)

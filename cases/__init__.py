@@ -1,0 +1,1 @@
+"""The case files that come with the package: the figures of the paper."""
