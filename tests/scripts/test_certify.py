@@ -1,0 +1,140 @@
+"""scripts/certify.py: what it prints, what it refuses, and its exit status."""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from periodic.examples import mathieu
+
+pytest.importorskip("flint", reason="python-flint, the extra certify, is not installed")
+
+ROOT = Path(__file__).resolve().parents[2]
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def certify(capsys: pytest.CaptureFixture[str]) -> Run:
+    """Run the script's main with these arguments; return exit status, output and error output."""
+    spec = importlib.util.spec_from_file_location("certify", ROOT / "scripts" / "certify.py")
+    assert spec is not None
+    assert spec.loader is not None
+    script = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(script)
+
+    def run(*arguments: str) -> tuple[int, str, str]:
+        try:
+            status = script.main(list(arguments))
+        except SystemExit as exit:
+            status = exit.code
+        return status, *capsys.readouterr()
+
+    return run
+
+
+def bounds(output: str) -> tuple[float, float]:
+    found = re.search(r"growth rate in \[(\S+), (\S+)\]", output)
+    assert found is not None
+    return float(found[1]), float(found[2])
+
+
+def test_help_teaches(certify: Run) -> None:
+    status, output, _ = certify("--help")
+    assert status == 0
+    for word in ("examples:", "--at", "exit status", "undecided", "docs/certify.md", "certify]"):
+        assert word in output
+
+
+def test_unstable_point(certify: Run) -> None:
+    """First order: growth rate eps / (4 omega) at Omega = 2 omega, here within 2 %."""
+    status, output, _ = certify("--example", "mathieu", "--at", "2,0.2")
+    lower, upper = bounds(output)
+    assert status == 0
+    assert "unstable" in output
+    assert lower <= upper
+    assert lower == pytest.approx(0.05, rel=0.02)
+
+
+def test_stable_point_and_several_points(certify: Run) -> None:
+    status, output, _ = certify("--example", "rotor", "--set", "stiffness=4,5", "--at", "3,0.2", "--at", "2.9,-0.2")
+    assert status == 0
+    assert output.count(": stable") == 2
+    assert bounds(output) == (0, 0)
+    assert "stiffness=[4, 5], spin=0.5" in output
+
+
+def test_undecided_point_has_its_own_exit_status(certify: Run) -> None:
+    status, output, _ = certify("--example", "mathieu", "--at", "2,1e-300")
+    assert status == 1
+    assert "undecided (512 bits)" in output
+
+
+def test_bits_are_respected(certify: Run) -> None:
+    assert "undecided (128 bits)" in certify("--example", "mathieu", "--at", "2,1e-60", "--bits", "128")[1]
+    assert "unstable" in certify("--example", "mathieu", "--at", "2,1e-60", "--bits", "512")[1]
+
+
+def test_plate_of_a_case_is_cut_to_six_coordinates(certify: Run) -> None:
+    status, output, _ = certify("--case", str(ROOT / "cases" / "fig2.toml"), "--at", "18.6,0.3")
+    assert status == 0
+    assert "(n = 6)" in output
+    assert "unstable" in output
+
+
+def test_terms_are_respected(certify: Run) -> None:
+    case = str(ROOT / "cases" / "fig2.toml")
+    assert "(n = 2)" in certify("--case", case, "--terms", "2,1", "--at", "18.6,0.3")[1]
+
+
+def test_own_matrices(certify: Run, tmp_path: Path) -> None:
+    system = mathieu(2.5)
+    np.savez(tmp_path / "mine.npz", M=system.mass, K=system.stiffness, F1c=system.cosine[0])
+    _, own, _ = certify("--system", str(tmp_path / "mine.npz"), "--at", "3.1,0.3")
+    _, example, _ = certify("--example", "mathieu", "--set", "delta=2.5", "--at", "3.1,0.3")
+    assert bounds(own) == bounds(example)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "fault"),
+    [
+        (["--at", "1,1"], "--case"),
+        (["--example", "mathieu"], "--at"),
+        (["--example", "duffing", "--at", "1,1"], "duffing"),
+        (["--example", "mathieu", "--case", "x.toml", "--at", "1,1"], "not allowed"),
+        (["--example", "mathieu", "--at", "1"], "'1' is no point"),
+        (["--example", "mathieu", "--at", "0,1"], "'0,1' is no point"),
+        (["--example", "mathieu", "--at", "1,nan"], "no point"),
+        (["--example", "mathieu", "--at", "1,2,3"], "no point"),
+        (["--example", "mathieu", "--set", "delta", "--at", "1,1"], "NAME=VALUE"),
+        (["--example", "mathieu", "--set", "mass=1", "--at", "1,1"], "delta, damping"),
+        (["--example", "mathieu", "--set", "delta=heavy", "--at", "1,1"], "delta = 'heavy'"),
+        (["--example", "coupled", "--set", "frequencies=1,2,3", "--at", "1,1"], "two numbers"),
+        (["--example", "mathieu", "--terms", "2,2", "--at", "1,1"], "--terms"),
+        (["--case", "cases/fig2.toml", "--set", "speed=1", "--at", "1,1"], "--set"),
+        (["--case", "cases/fig2.toml", "--terms", "2", "--at", "1,1"], "two whole numbers"),
+        (["--case", "no such.toml", "--at", "1,1"], "no such.toml"),
+        (["--system", "no such.npz", "--at", "1,1"], "no such.npz"),
+        (["--example", "mathieu", "--at", "1e-9,1"], "higher Omega"),
+        (["--example", "mathieu", "--at", "1,1", "--bits", "64"], "64"),
+        (["--example", "mathieu", "--at", "1,1", "--bits", "many"], "many"),
+    ],
+)
+def test_wrong_input(certify: Run, arguments: list[str], fault: str) -> None:
+    status, _, message = certify(*arguments)
+    assert status == 2
+    assert fault in message
+    assert "Traceback" not in message
+
+
+def test_missing_flint(certify: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "flint", None)
+    monkeypatch.delitem(sys.modules, "floquet.certified", raising=False)
+    status, _, message = certify("--example", "mathieu", "--at", "1,1")
+    assert status == 2
+    assert "floquet-charts[certify]" in message
