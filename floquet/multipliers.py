@@ -89,7 +89,9 @@ def spectrum(Phi: FloatArray, error: float, *, reciprocal: bool, form: FloatArra
     top = int(modulus.argmax())
     log_modulus = float(np.log(modulus[top]))
     upper = np.log1p((modulus + shift - modulus[top]).max() / modulus[top])
-    lower = -np.log1p(-min(shift[top] / modulus[top], 0.5))
+    # downwards the largest may go half-way to its nearest neighbour, where the two turn into a complex pair
+    down = max(shift[top], min(first_order[top], 0.5 * distance[top].min()))
+    lower = -np.log1p(-min(down / modulus[top], 0.5))
     log_error = float(max(upper, lower))
     if log_modulus > log_error:
         kind = _kind(mu[top], shift[top])
@@ -134,7 +136,7 @@ def _excursion(Phi: FloatArray, mu: complex, E: float, most: float) -> float:
 
     def margin(log_shift: float) -> float:
         z = mu + np.exp(log_shift) * direction
-        return float(np.log(sla.svdvals(z * unit - Phi)[-1] / E))
+        return float(np.log(max(sla.svdvals(z * unit - Phi)[-1] / E, 1e-9)))
 
     low, high = np.log(E), np.log(most)
     if low >= high or margin(low) >= 0 or margin(high) <= 0:
