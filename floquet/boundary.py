@@ -134,7 +134,7 @@ def trace_boundary(family: SystemFamily, near: float, eps: ArrayLike) -> Boundar
     if amplitudes.size == 0:
         raise ValueError("eps is empty; give at least one amplitude")
     if amplitudes.min() < 0:
-        raise ValueError(f"eps has the entry {amplitudes.min()!r}; give amplitudes >= 0")
+        raise ValueError(f"eps has the entry {float(amplitudes.min())!r}; give amplitudes >= 0")
     resonance = nearest_resonance(member_at(family, near, "family"), near)
     route = _Route(family, resonance)
     found = [route.edges(float(amplitude)) for amplitude in amplitudes]

@@ -1,0 +1,347 @@
+"""`trace_boundary`: exact edges of Mathieu's equation, combination resonances, regions that are closed, bad input."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import scipy.linalg as sla
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from oracle_systems import dop853, random_system
+from scipy.optimize import brentq
+from scipy.special import mathieu_a, mathieu_b
+
+from floquet import BoundaryTrace, Kind, monodromy, trace_boundary
+from periodic import PeriodicSystem
+from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu
+from plate import MovingPlate
+
+
+def characteristic(n, q, odd):
+    """a_n(q), or b_n(q) if ``odd``: eigenvalues of tridiagonal matrices (DLMF 28.4, from the Fourier series)."""
+    size = 40 + int(abs(q))
+    if n % 2:
+        diagonal = (2.0 * np.arange(size) + 1) ** 2
+        diagonal[0] += -q if odd else q
+        off = np.full(size - 1, float(q))
+        index = n // 2
+    else:
+        diagonal = (2.0 * np.arange(size)) ** 2
+        off = np.full(size - 1, float(q))
+        off[0] *= math.sqrt(2)
+        if odd:
+            diagonal, off = diagonal[1:], off[1:]
+        index = n // 2 - odd
+    return sla.eigh_tridiagonal(diagonal, off, eigvals_only=True, select="i", select_range=(index, index))[0]
+
+
+def mathieu_edge(delta, eps, n, odd, bracket):
+    """Omega at which x'' + (delta + eps cos Omega t) x = 0 has the solution that b_n (``odd``) or a_n belongs to."""
+
+    def mismatch(Omega):
+        return characteristic(n, 2 * eps / Omega**2, odd) - 4 * delta / Omega**2
+
+    return brentq(mismatch, *bracket, xtol=1e-14)
+
+
+def test_the_oracle_for_mathieu():
+    for n in (1, 2, 3, 4):
+        for q in (0.3, 2.0, 5.0):
+            assert characteristic(n, q, odd=False) == pytest.approx(mathieu_a(n, q), rel=1e-11)
+            assert characteristic(n, q, odd=True) == pytest.approx(mathieu_b(n, q), rel=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("n", "eps", "kind"),
+    [
+        (1, [1e-6, 1e-3, 0.1, 0.5, 1.0, 2.0, 4.0], Kind.MINUS_ONE),
+        (2, [1e-2, 0.1, 0.5, 1.5], Kind.PLUS_ONE),
+        (3, [0.05, 0.3, 1.5], Kind.MINUS_ONE),
+        (4, [0.3, 1.0], Kind.PLUS_ONE),
+    ],
+)
+def test_edges_of_mathieu(n, eps, kind):
+    trace = trace_boundary(mathieu(), 2 / n, eps)
+    assert trace.is_open.all()
+    assert (trace.kind == kind).all()
+    assert (trace.resonance.p, trace.resonance.q, trace.resonance.j, trace.resonance.kind) == (1, 1, n, "sum")
+    for i, e in enumerate(eps):
+        # a_n > b_n: the lower edge belongs to a_n
+        for found, error, odd in (
+            (trace.lower[i], trace.lower_error[i], False),
+            (trace.upper[i], trace.upper_error[i], True),
+        ):
+            exact = mathieu_edge(1.0, e, n, odd, (found * (1 - 1e-6), found * (1 + 1e-6)))
+            assert found == pytest.approx(exact, rel=1e-9)
+            assert abs(found - exact) <= 3 * error + 1e-13
+            assert error < 1e-9 * found
+
+
+def test_edges_of_mathieu_agree_with_scipy():
+    eps = np.array([0.2, 1.0, 5.0])
+    trace = trace_boundary(mathieu(1.7), 2 * math.sqrt(1.7), eps)
+    q = 2 * eps / trace.lower**2
+    assert (q <= 5).all()
+    assert 4 * 1.7 / trace.lower**2 == pytest.approx(mathieu_a(1, q), rel=1e-8)
+    q = 2 * eps / trace.upper**2
+    assert 4 * 1.7 / trace.upper**2 == pytest.approx(mathieu_b(1, q), rel=1e-8)
+
+
+def test_width_of_mathieu_tongues_shrinks_with_their_order():
+    # the width of the n-th tongue is of order eps^n (Arnold, Mathematical Methods of Classical Mechanics, section 25)
+    eps = np.array([0.05, 0.1, 0.2])
+    for n in (1, 2, 3):
+        trace = trace_boundary(mathieu(), 2 / n, eps)
+        order = np.polyfit(np.log(eps), np.log(trace.upper - trace.lower), 1)[0]
+        assert order == pytest.approx(n, abs=0.01)
+
+
+def test_second_tongue_of_mathieu_against_its_series():
+    # y'' + (d + e cos t) y = 0 near d = 1: d = 1 + 5 e^2 / 12 and d = 1 - e^2 / 12, up to O(e^4) (A. H. Nayfeh and
+    # D. T. Mook, Nonlinear Oscillations, 1979, section 5.3); here d = 1 / Omega^2, e = eps / Omega^2
+    for eps in (0.02, 0.04):
+        trace = trace_boundary(mathieu(), 1.0, eps)
+        for Omega, coefficient in ((trace.lower[0], 5 / 12), (trace.upper[0], -1 / 12)):
+            e = eps / Omega**2
+            assert 1 / Omega**2 == pytest.approx(1 + coefficient * e**2, abs=2 * e**4)
+
+
+def test_damped_mathieu():
+    # x = y exp(-c t / 2): the edge is where the undamped trace is -2 cosh(c T / 2), that of the damped system, which
+    # DOP853 integrates, -(1 + exp(-c T))
+    c, eps = 0.05, np.array([0.08, 0.099, 0.12, 0.5])
+    trace = trace_boundary(mathieu(1.0, c), 2.0, eps)
+    assert trace.is_open.tolist() == [False, False, True, True]  # the tip is at 2 omega c = 0.1 to first order
+    assert np.isnan(trace.lower[:2]).all()
+    assert np.isnan(trace.upper_error[:2]).all()
+    assert (trace.kind == [Kind.STABLE, Kind.STABLE, Kind.MINUS_ONE, Kind.MINUS_ONE]).all()
+
+    def excess(Omega, e):
+        return np.trace(dop853(mathieu(1.0, c), Omega, e)) + 1 + math.exp(-c * 2 * np.pi / Omega)
+
+    for i in (2, 3):
+        for found, error in ((trace.lower[i], trace.lower_error[i]), (trace.upper[i], trace.upper_error[i])):
+            exact = brentq(excess, found - 1e-4, found + 1e-4, args=(eps[i],), xtol=1e-13)
+            assert found == pytest.approx(exact, rel=1e-9)
+            assert abs(found - exact) <= 3 * error + 1e-11
+            # to first order Omega = 2 ± sqrt((eps / 2)^2 - c^2), next to it a shift of order eps^2
+            assert abs(found - 2) == pytest.approx(math.sqrt((eps[i] / 2) ** 2 - c**2), abs=0.2 * eps[i] ** 2)
+
+
+def test_tip_of_damped_mathieu():
+    c = 0.02
+    tip = 2 * c  # to first order, with a correction of order c^3
+    trace = trace_boundary(mathieu(1.0, c), 2.0, tip * np.array([0.99, 0.999, 1.001, 1.01]))
+    assert trace.is_open.tolist() == [False, False, True, True]
+    # the region ends in a parabola: widths go like the square root of the distance from the tip
+    width = trace.upper - trace.lower
+    assert width[3] / width[2] == pytest.approx(math.sqrt(10), rel=0.1)
+
+
+@pytest.mark.parametrize("kind", ["sum", "difference"])
+def test_combination_resonance(kind):
+    omega = np.array([1.0, 1.7])
+    centre = omega[1] + omega[0] if kind == "sum" else omega[1] - omega[0]
+    root_L = 1 / (2 * math.sqrt(omega[0] * omega[1]))
+    eps = np.array([0.01, 0.02, 0.04])
+    elastic = trace_boundary(coupled_mathieu(kind, omega), centre, eps)
+    assert (elastic.kind == Kind.COMPLEX).all()
+    assert (elastic.resonance.p, elastic.resonance.q, elastic.resonance.kind) == (2, 1, kind)
+    half = (elastic.upper - elastic.lower) / 2
+    assert half == pytest.approx(eps * root_L, rel=1e-3)
+
+    # two unequal dampings: eq. (25) of Young, Huang and Chiu with decay rates d / 2, far from the elastic curve
+    d = np.array([0.001, 0.02])
+    damped = trace_boundary(coupled_mathieu(kind, omega, damping=d), centre, eps)
+    expected = d.sum() / 2 * np.sqrt(eps**2 * root_L**2 / (d[0] * d[1]) - 1 + 0j).real
+    assert damped.is_open.tolist() == [False, True, True]
+    assert ((damped.upper - damped.lower) / 2)[1:] == pytest.approx(expected[1:], rel=2e-3)
+    assert expected[2] > 2 * half[2]  # damping has widened the region
+
+    # as damping vanishes the edges do not tend to the elastic ones (destabilisation paradox)
+    faint = trace_boundary(coupled_mathieu(kind, omega, damping=1e-5 * d), centre, eps)
+    assert (faint.upper - faint.lower) / 2 == pytest.approx(half * d.sum() / (2 * math.sqrt(d[0] * d[1])), rel=2e-3)
+
+    other = "difference" if kind == "sum" else "sum"
+    closed = trace_boundary(coupled_mathieu(other, omega), centre, eps)
+    assert not closed.is_open.any()
+    assert (closed.kind == Kind.STABLE).all()
+
+
+def test_edges_separate_stable_from_unstable_by_another_integrator():
+    # a gyroscopic system with two harmonics: on either side of every edge DOP853 finds what the trace says
+    system = random_system(20, 3, 2)
+    K = system.stiffness + (1 - np.linalg.eigvalsh(system.stiffness)[0]) * np.eye(3)
+    system = PeriodicSystem(system.mass, system.gyroscopic, system.damping, K, system.cosine, system.sine)
+    exponents = np.linalg.eigvals(
+        np.block(
+            [
+                [-np.linalg.solve(system.mass, system.gyroscopic), -np.linalg.solve(system.mass, K)],
+                [np.eye(3), np.zeros((3, 3))],
+            ]
+        )
+    )
+    first = np.sort(exponents.imag[exponents.imag > 0])[0]
+    trace = trace_boundary(system, 2 * first, 0.05)
+    width = trace.upper[0] - trace.lower[0]
+    for Omega, unstable in (
+        (trace.lower[0] - 0.02 * width, False),
+        (trace.lower[0] + 0.02 * width, True),
+        (trace.upper[0] - 0.02 * width, True),
+        (trace.upper[0] + 0.02 * width, False),
+    ):
+        growth = np.log(np.abs(np.linalg.eigvals(dop853(system, Omega, 0.05))).max())
+        assert (growth > 1e-7) == unstable
+
+
+def test_round_rotor_has_the_regions_of_mathieu():
+    eps = [0.1, 1.0]
+    rotor = trace_boundary(gyroscopic_rotor((4.0, 4.0), 0.5), 4.0, eps)
+    plain = trace_boundary(mathieu(4.0), 4.0, eps)
+    assert rotor.lower == pytest.approx(plain.lower, rel=1e-9)
+    assert rotor.upper == pytest.approx(plain.upper, rel=1e-9)
+    assert (rotor.kind == Kind.COMPLEX).all()
+    for near in (3.0, 5.0):  # 2 omega_1 and 2 omega_2 have no width
+        assert not trace_boundary(gyroscopic_rotor((4.0, 4.0), 0.5), near, eps).is_open.any()
+
+
+def test_equal_frequencies():
+    # x1 + x2 and x1 - x2 obey Mathieu's equation with eps and -eps: the same edges
+    eps = [0.01, 0.5, 1.0]
+    for damping in (0.0, 0.002):
+        both = trace_boundary(coupled_mathieu("sum", (1.0, 1.0), damping=(damping, damping)), 2.0, eps)
+        plain = trace_boundary(mathieu(1.0, damping), 2.0, eps)
+        assert both.lower == pytest.approx(plain.lower, rel=1e-9)
+        assert both.upper == pytest.approx(plain.upper, rel=1e-9)
+
+
+@pytest.fixture(scope="module")
+def plate():
+    return MovingPlate(axial_terms=2, lateral_terms=5)
+
+
+def test_regions_of_the_plate(plate, references):
+    expected = references["first_order_membrane"]["a/b=1 V=3 f0=10"]
+    eps = np.array([0.02, 0.04])
+    for pair in ("1+1", "2+2", "3+3"):
+        centre, slope = (float(expected[pair][key]) for key in ("centre", "sqrtL"))
+        trace = trace_boundary(plate, centre, eps)
+        assert f"{trace.resonance.q}+{trace.resonance.p}" == pair
+        # few terms: frequencies and widths are within a few per cent of the converged ones
+        assert trace.resonance.centre == pytest.approx(centre, rel=0.02)
+        assert (trace.upper - trace.lower) / 2 == pytest.approx(slope * eps, rel=0.03)
+    for pair in ("1+2", "2+3"):
+        trace = trace_boundary(plate, float(expected[pair]["centre"]), eps)
+        assert f"{trace.resonance.q}+{trace.resonance.p}" == pair
+        assert (trace.kind == Kind.STABLE).all()
+
+
+def test_narrow_region_of_the_plate(plate):
+    # 1+3 is a hundred times narrower than 2 omega_1; a grid would need its place first
+    trace = trace_boundary(plate, 45.3, [1e-4, 1e-2])
+    assert (trace.resonance.q, trace.resonance.p) == (1, 3)
+    width = trace.upper - trace.lower
+    assert 1e-6 < width[0] < 2e-5
+    assert width[1] / width[0] == pytest.approx(100, rel=1e-3)
+    assert (trace.lower_error < 1e-9 * trace.lower).all()
+
+
+def test_family_is_asked_at_every_frequency():
+    class Family:
+        """F grows with Omega: x'' + (1 + eps (Omega / 2)^2 cos Omega t) x = 0."""
+
+        def at(self, Omega):
+            return PeriodicSystem([[1.0]], [[0.0]], [[0.0]], [[1.0]], [[[(Omega / 2) ** 2]]])
+
+    trace = trace_boundary(Family(), 2.0, 0.4)
+    for Omega in (trace.lower[0], trace.upper[0]):
+        plain = trace_boundary(mathieu(), 2.0, 0.4 * (Omega / 2) ** 2)
+        assert min(abs(plain.lower[0] - Omega), abs(plain.upper[0] - Omega)) < 1e-9
+
+
+def test_results_do_not_depend_on_the_company():
+    system = coupled_mathieu("sum")
+    together = trace_boundary(system, 2.7, [0.9, 0.01, 0.3])
+    for i, eps in enumerate([0.9, 0.01, 0.3]):
+        alone = trace_boundary(system, 2.7, eps)
+        assert alone.lower[0] == together.lower[i]
+        assert alone.upper_error[0] == together.upper_error[i]
+    assert together.eps.tolist() == [0.9, 0.01, 0.3]
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.floats(-0.03, 0.03), st.sampled_from([1, 2, 3]))
+def test_near_may_be_a_guess(offset, n):
+    guessed = trace_boundary(mathieu(), 2 / n * (1 + offset), 0.2)
+    exact = trace_boundary(mathieu(), 2 / n, 0.2)
+    assert guessed.resonance.j == n
+    assert guessed.lower[0] == pytest.approx(exact.lower[0], rel=1e-9)
+    assert guessed.near == 2 / n * (1 + offset)
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.integers(0, 10**6), st.integers(2, 3), st.floats(0.01, 0.1))
+def test_inside_is_unstable(seed, n, strength):
+    system = random_system(seed, n, 2)
+    lowest = np.linalg.eigvalsh(system.stiffness)[0]
+    stiffness = system.stiffness + (1 - lowest) * np.eye(n)
+    system = PeriodicSystem(
+        system.mass, system.gyroscopic, system.damping, stiffness, system.cosine / 5, system.sine / 5
+    )
+    first = trace_boundary_of_first_mode(system, strength)
+    for lower, upper in zip(first.lower, first.upper, strict=True):
+        for part in (0.01, 0.5, 0.99):
+            assert monodromy(system, lower + part * (upper - lower), strength).kind > Kind.STABLE
+
+
+def trace_boundary_of_first_mode(system, eps):
+    n = system.size
+    upper = -np.linalg.solve(system.mass, np.hstack([system.gyroscopic, system.stiffness]))
+    exponents = np.linalg.eigvals(np.vstack([upper, np.eye(n, 2 * n)]))
+    return trace_boundary(system, 2 * np.sort(exponents.imag[exponents.imag > 0])[0], eps)
+
+
+def test_trace_is_frozen():
+    trace = trace_boundary(mathieu(), 2.0, 0.1)
+    assert isinstance(trace, BoundaryTrace)
+    for name in ("eps", "lower", "upper", "lower_error", "upper_error", "kind"):
+        assert getattr(trace, name).shape == (1,)
+        assert not getattr(trace, name).flags.writeable
+    with pytest.raises(AttributeError):
+        trace.lower = 0
+
+
+def test_no_excitation_no_region():
+    assert not trace_boundary(mathieu(), 2.0, 0.0).is_open.any()
+    silent = PeriodicSystem([[1.0]], [[0.0]], [[0.0]], [[1.0]], [[[0.0]]])
+    assert not trace_boundary(silent, 2.0, [0.1, 1.0]).is_open.any()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"family": None}, "family = None is no system"),
+        ({"family": "plate"}, "family = 'plate' is no system"),
+        ({"near": 0.0}, "near = 0.0 is out of range"),
+        ({"near": math.nan}, "near = nan"),
+        ({"near": "2"}, "near = '2' is not a number"),
+        ({"near": 2.5}, r"near = 2.5 is not within 5% of any \(omega_p ± omega_q\) / j .* natural frequencies are 1$"),
+        ({"eps": []}, "eps is empty"),
+        ({"eps": [0.1, -0.1]}, "eps has the entry -0.1"),
+        ({"eps": [0.1, math.nan]}, "eps has the entry nan"),
+        ({"eps": "0.1"}, "eps has entries of type"),
+        ({"eps": [[0.1]]}, "eps has shape"),
+        ({"eps": None}, "eps has entries of type"),
+    ],
+)
+def test_bad_arguments(arguments, message):
+    given_ = {"family": mathieu(), "near": 2.0, "eps": 0.1} | arguments
+    with pytest.raises(ValueError, match=message):
+        trace_boundary(**given_)
+
+
+def test_system_that_does_not_oscillate():
+    with pytest.raises(ValueError, match="natural frequencies are none"):
+        trace_boundary(mathieu(-1.0), 2.0, 0.1)
