@@ -113,7 +113,7 @@ class StabilityChart:
         try:
             with source.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
                 audit = ChartAudit(*(arrays[f"audit_{name}"] for name in AUDIT)) if "audit_cells" in arrays else None
-                return cls(*(arrays[name] for name in ("Omega", "eps", *CELLS)), audit=audit)
+                return cls(**{name: arrays[name] for name in ("Omega", "eps", *CELLS)}, audit=audit)
         except (KeyError, ValueError, TypeError, AttributeError, EOFError, zipfile.BadZipFile) as error:
             message = f"path = {str(path)!r} is not a saved chart ({error}); give a file that save wrote"
             raise ValueError(message) from None

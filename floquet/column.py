@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import groupby
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +17,7 @@ from floquet.sampling import Sampler, Workspace
 from floquet.spectra import eigenvalues
 from floquet.symplectic import reciprocal_pairs, symplectic_eigenvalues
 from floquet.threads import single_blas_thread
-from floquet.verdict import Cells, ComplexArray, combine, discrepancy, dominant, dominant_symplectic, judge
+from floquet.verdict import Cells, ComplexArray, Dominant, combine, discrepancy, dominant, dominant_symplectic, judge
 from periodic import PeriodicSystem
 from periodic.checks import FloatArray
 
@@ -45,14 +46,13 @@ def chart_block(systems: Sequence[PeriodicSystem], Omega: FloatArray, eps: Float
     A pure function, in which each column depends on its own system and frequency, ``eps`` and ``steps_a_cycle`` alone:
     blocks can be computed anywhere, in any order, and kept.
     """
-    work, columns = Workspace(), []
-    last, parts = None, []
+    work, cells, done = Workspace(), [], 0
     with single_blas_thread():
-        for system, frequency in zip(systems, Omega, strict=True):
-            if system is not last:
-                last, parts = system, blocks(system)
-            columns.append(column(parts, float(frequency), eps, steps_a_cycle, work))
-    log_modulus, angle, error, kind = (np.stack(part, axis=1) for part in zip(*columns, strict=True))
+        for system, same in groupby(systems, key=lambda system: system):
+            count = len(list(same))
+            cells.append(_columns(blocks(system), Omega[done : done + count], eps, steps_a_cycle, work))
+            done += count
+    log_modulus, angle, error, kind = (np.concatenate(parts).T for parts in zip(*cells, strict=True))
     with np.errstate(over="ignore"):
         modulus = np.exp(log_modulus)
     growth_rate = log_modulus * Omega / (2 * np.pi)
@@ -70,9 +70,33 @@ def steps_needed(systems: Sequence[PeriodicSystem], Omega: FloatArray, eps: Floa
         )
 
 
-def column(blocks: Sequence[Block], Omega: float, eps: FloatArray, steps_a_cycle: float, work: Workspace) -> Cells:
-    """Return the cells at frequency ``Omega`` and amplitudes ``eps``."""
-    return combine([_block_column(block, Omega, eps, steps_a_cycle, work) for block in blocks])
+def _columns(
+    parts: Sequence[Block], Omega: FloatArray, eps: FloatArray, steps_a_cycle: float, work: Workspace
+) -> Cells:
+    """Return the cells of a system at some frequencies, arrays of shape (frequencies, k)."""
+    cells = []
+    for block in parts:
+        found, E = zip(*(_column(block, float(w), eps, steps_a_cycle, work) for w in Omega), strict=True)
+        dominant = Dominant(*(np.array(part) for part in zip(*found, strict=True)))
+        cells.append(judge(dominant, np.array(E), block.symplectic or block.reversible))
+    return combine(cells)
+
+
+def _column(
+    block: Block, Omega: float, eps: FloatArray, steps_a_cycle: float, work: Workspace
+) -> tuple[Dominant, FloatArray]:
+    """Return the dominant multipliers of a block at one frequency, and the errors E."""
+    L = log2_steps(block, Omega, eps, steps_a_cycle)
+    sampler = Sampler(block, equations(block, least_frequency(Omega)), Omega, work)
+    mu, exponents = multipliers(sampler, eps, L, TOLERANCE)
+    tested = _tested(eps)
+    measured = _discrepancies(sampler, mu[tested], exponents[tested], eps[tested], L)
+    # exact at eps = 0, and the error grows at least like eps^2; the straight line is on the safe side
+    slope = (measured / np.maximum(np.abs(eps[tested]), UNIT)).max()
+    E = SAFETY * np.maximum(slope * np.abs(eps), 2 * UNIT * 2.0**L)
+    if block.symplectic:
+        return dominant_symplectic(mu, exponents), E
+    return dominant(mu, exponents, block.reversible), E
 
 
 def _needed_steps(block: Block, Omega: float, eps: FloatArray, work: Workspace) -> float:
@@ -121,33 +145,15 @@ def lane_weights(weights: FloatArray) -> FloatArray:
     return np.ascontiguousarray(padded.reshape(-1, WIDTH, weights.shape[1]).transpose(0, 2, 1))
 
 
-def _block_column(block: Block, Omega: float, eps: FloatArray, steps_a_cycle: float, work: Workspace) -> Cells:
-    L = log2_steps(block, Omega, eps, steps_a_cycle)
-    sampler = Sampler(block, equations(block, least_frequency(Omega)), Omega, work)
-    mu, exponents = multipliers(sampler, eps, L, TOLERANCE)
-    tested = _tested(eps)
-    measured = _discrepancies(sampler, mu[tested], exponents[tested], eps[tested], L)
-    # exact at eps = 0, and the error grows at least like eps^2; the straight line is on the safe side
-    slope = (measured / np.maximum(np.abs(eps[tested]), UNIT)).max()
-    E = SAFETY * np.maximum(slope * np.abs(eps), 2 * UNIT * 2.0**L)
-    if block.symplectic:
-        return judge(dominant_symplectic(mu, exponents), E, conservative=True)
-    return judge(dominant(mu, exponents, block.reversible), E, conservative=block.reversible)
-
-
 def _tested(eps: FloatArray) -> list[int]:
-    """Return the amplitudes at which a column is integrated once more with half the step: the largest and the middle
-    one."""
+    """Return the amplitudes to integrate once more with half the step: the largest and the middle one."""
     return sorted({int(np.abs(eps).argmax()), len(eps) // 2})
 
 
 def _discrepancies(sampler: Sampler, mu: ComplexArray, exponents: FloatArray, eps: FloatArray, L: int) -> FloatArray:
     """Return E at the amplitudes ``eps``, whose multipliers from 2^L steps are given as by `multipliers`."""
-    finer, finer_exponents = multipliers(sampler, eps, L + 1, TOLERANCE / 1e3)
-    result = np.empty(len(eps))
-    for i, shift in enumerate(np.clip(finer_exponents - exponents, -1000, 1000)):
-        one, other = mu[i], finer[i] * 2.0**shift
-        if sampler.block.symplectic and exponents[i] == 0:  # else mu + 1/mu is mu
-            one, other = reciprocal_pairs(one), reciprocal_pairs(other)
-        result[i] = discrepancy(one, other)
-    return result
+    finer, finer_exponents = multipliers(sampler, eps, L + 1, TOLERANCE / 10)
+    finer = finer * 2.0 ** np.clip(finer_exponents - exponents, -1000, 1000)[:, None]
+    if sampler.block.symplectic and not exponents.any():  # beyond the range of exponents mu + 1/mu is mu
+        mu, finer = reciprocal_pairs(mu), reciprocal_pairs(finer)
+    return discrepancy(mu, finer)

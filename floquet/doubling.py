@@ -165,13 +165,13 @@ def rescale(P: FloatArray, exponents: FloatArray) -> None:
 
     One exponent for each amplitude, (m,), or a common one, (1,), for those that will be interpolated between.
     """
-    share = P.shape[1] // exponents.size
-    for i in range(exponents.size):
+    p, m, entries = P.shape[0], exponents.size, P.size // (P.shape[0] * exponents.size)
+    parts = P.reshape(p, m, entries)
+    for i in range(m):
         square = 0.0
-        for phase in range(P.shape[0]):
-            part = P[phase, i * share : (i + 1) * share].ravel()
-            square += np.dot(part, part)
+        for phase in range(p):
+            square += np.dot(parts[phase, i], parts[phase, i])
         if square > LARGE**2 or 0.0 < square < LARGE**-2:
             exponent = np.floor(0.5 * np.log2(square))
-            P[:, i * share : (i + 1) * share] *= 2.0**-exponent
+            parts[:, i] *= 2.0**-exponent
             exponents[i] += exponent

@@ -111,24 +111,24 @@ class _Unary(ConcreteTemplate):
     cases = [signature(LANES, LANES)]  # noqa: RUF012
 
 
-def _address(context: Any, builder: Any, array_type: Any, array: Any, indices: Any) -> Any:
-    view = context.make_array(array_type)(context, builder, array)
-    i, j = (context.cast(builder, index, kind, types.intp) for index, kind in indices)
+def _pointer(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    """Return the address of the lanes at row args[1], column args[2] of the array args[0]."""
+    view = context.make_array(sig.args[0])(context, builder, args[0])
+    i, j = (context.cast(builder, args[k], sig.args[k], types.intp) for k in (1, 2))
     columns = cgutils.unpack_tuple(builder, view.shape)[1]
-    offset = builder.mul(builder.add(builder.mul(i, columns), j), ir.Constant(ir.IntType(64), WIDTH))
-    return builder.bitcast(builder.gep(view.data, [offset]), VECTOR.as_pointer())
+    lanes = builder.add(builder.mul(i, columns), j)
+    address = builder.gep(view.data, [builder.mul(lanes, ir.Constant(ir.IntType(64), WIDTH))])
+    return builder.bitcast(address, VECTOR.as_pointer())
 
 
 @lower_builtin(load, types.Array, types.Integer, types.Integer)
 def _load(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    pointer = _address(context, builder, sig.args[0], args[0], zip(args[1:3], sig.args[1:3], strict=True))
-    return builder.load(pointer, align=8)
+    return builder.load(_pointer(context, builder, sig, args), align=8)
 
 
 @lower_builtin(store, types.Array, types.Integer, types.Integer, LanesType)
 def _store(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    pointer = _address(context, builder, sig.args[0], args[0], zip(args[1:3], sig.args[1:3], strict=True))
-    builder.store(args[3], pointer, align=8)
+    builder.store(args[3], _pointer(context, builder, sig, args), align=8)
     return context.get_dummy_value()
 
 

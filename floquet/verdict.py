@@ -24,7 +24,7 @@ APART = 3.0
 
 
 class Cells(NamedTuple):
-    """Results at the amplitudes of one column, each of shape (k,)."""
+    """What is said about each cell; arrays of one shape."""
 
     log_modulus: FloatArray  # log|mu| of the dominant multiplier mu
     angle: FloatArray  # its argument, between 0 and pi
@@ -33,7 +33,7 @@ class Cells(NamedTuple):
 
 
 class Dominant(NamedTuple):
-    """The dominant multiplier of each cell of a block: log|mu|, argument, and relative distance to the nearest other.
+    """The dominant multiplier of each cell of a block: log|mu|, argument, relative distance to the nearest other.
 
     If no multiplier is off the unit circle, ``gap`` is the smallest distance between any two.
     """
@@ -122,22 +122,24 @@ def _distance_to_images(u: float, v: float) -> float:
 
 
 @njit(cache=True, nogil=True)
-def discrepancy(mu: ComplexArray, other: ComplexArray) -> float:
-    """Return E, from two computations of all multipliers of one cell, in units of the largest."""
-    size = np.abs(mu).max()
-    largest = 0.0
-    for i in range(mu.size):
-        shift, gap = np.inf, 1.0
-        for j in range(mu.size):
-            shift = min(shift, abs(mu[i] - other[j]) / size)
-            if j != i:
-                gap = min(gap, abs(mu[i] - mu[j]) / size)
-        largest = max(largest, shift * max(gap, shift))
-    return largest
+def discrepancy(mu: ComplexArray, other: ComplexArray) -> FloatArray:
+    """Return E (k,), in units of the dominant multiplier, from two computations of all multipliers (k, N)."""
+    k, N = mu.shape
+    E = np.zeros(k)
+    for c in range(k):
+        size = np.abs(mu[c]).max()
+        for i in range(N):
+            shift, gap = np.inf, 1.0
+            for j in range(N):
+                shift = min(shift, abs(mu[c, i] - other[c, j]) / size)
+                if j != i:
+                    gap = min(gap, abs(mu[c, i] - mu[c, j]) / size)
+            E[c] = max(E[c], shift * max(gap, shift))
+    return E
 
 
 def judge(found: Dominant, E: FloatArray, conservative: bool) -> Cells:
-    """Return the cells of a block, given E (k,); ``conservative``: with mu also 1 / conj(mu) is a multiplier."""
+    """Return the cells of a block; ``conservative``: with mu also 1 / conj(mu) is a multiplier."""
     with np.errstate(divide="ignore"):
         error = np.minimum(E / np.minimum(found.gap, 1), np.sqrt(E))
     log_modulus = found.log_modulus
@@ -164,7 +166,7 @@ def combine(blocks: list[Cells]) -> Cells:
     below = value - (log_modulus - error).max(axis=0)
     # one unstable block makes the system unstable, one undecided block leaves it undecided
     unstable = kinds > Kind.STABLE
-    top = np.where(unstable | ~unstable.any(axis=0), log_modulus, -np.inf).argmax(axis=0)
-    cells = np.arange(len(value))
-    kind = np.where(unstable.any(axis=0), kinds[top, cells], kinds.min(axis=0))
-    return Cells(value, angles[top, cells], np.maximum(above, below), kind.astype(np.int8))
+    top = np.where(unstable | ~unstable.any(axis=0), log_modulus, -np.inf).argmax(axis=0)[None]
+    angle, dominant_kind = (np.take_along_axis(array, top, axis=0)[0] for array in (angles, kinds))
+    kind = np.where(unstable.any(axis=0), dominant_kind, kinds.min(axis=0))
+    return Cells(value, angle, np.maximum(above, below), kind)
