@@ -19,10 +19,12 @@ from perturb_oracles import (
 from scipy.optimize import brentq
 from scipy.special import mathieu_a, mathieu_b
 
+from floquet import trace_boundary
 from periodic import PeriodicSystem
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu, meissner
 from perturb import TransitionCurve, gyroscopic_modes, transition_curves
 from perturb.expansion import LARGEST_BLOCK, NEAR, effective_block, modal_couplings
+from plate import MovingPlate
 
 EVERYTHING = (0.0, 1e6)
 
@@ -91,6 +93,10 @@ def test_damped_second_order_region_of_mathieu_opens_at_its_tip() -> None:
         assert sign * hill_growth(system, 0.5 * (lower + upper), part * tongue.tip) > 0
 
 
+# Unsymmetric, but without gyroscopic forces and with one cosine only: every L is real but for rounding.
+REAL_UNSYMMETRIC = changed(random_system(15, 2, symmetric=False, gyroscopic=0.0), sine=np.zeros((1, 2, 2)))
+
+
 # --- the order of the error ------------------------------------------------------------------------------------------
 
 
@@ -99,6 +105,9 @@ def test_damped_second_order_region_of_mathieu_opens_at_its_tip() -> None:
     [
         (coupled_mathieu("sum"), "ω₁+ω₂", 3),
         (coupled_mathieu("sum"), "2ω₁/2 (2nd)", 4),
+        (coupled_mathieu("difference"), "ω₂−ω₁", 3),
+        (REAL_UNSYMMETRIC, "2ω₁", 3),
+        (REAL_UNSYMMETRIC, "ω₁+ω₂", 3),
         (gyroscopic_rotor((4.0, 9.0), 0.8), "2ω₁", 3),
         (gyroscopic_rotor((4.0, 9.0), 0.8), "ω₁+ω₂", 3),
         (gyroscopic_rotor((4.0, 4.0), 0.5), "ω₁+ω₂", 3),
@@ -179,6 +188,17 @@ def test_exponents_of_the_effective_matrix_are_of_third_order(seed: int, symmetr
         assert worst[1] < worst[0] / 11 + 1e-14
 
 
+@pytest.mark.parametrize(("label", "order"), [("2ω₁", 3), ("2ω₂", 3), ("(ω₁+ω₃)/2 (2nd)", 4)])
+def test_gap_on_the_plate(label: str, order: int) -> None:
+    """A moving plate with uniform pulsating tension, against its traced boundaries."""
+    plate = MovingPlate(axial_terms=3, lateral_terms=3)
+    eps = np.array([0.1, 0.05, 0.025])
+    found = curves(plate, (5.0, 40.0))[label]
+    traced = trace_boundary(plate, found.centre, eps)
+    gap = np.abs(np.array(found.edges(eps)) - [traced.lower, traced.upper]).max(axis=0)
+    assert order - 0.15 < fitted_order(eps, gap) < order + 0.15
+
+
 # --- near-degenerate states ------------------------------------------------------------------------------------------
 
 
@@ -205,6 +225,35 @@ def test_gap_of_a_block_is_of_third_order() -> None:
         K = np.diag([1.0, 9.0 * (1 + detuning) ** 2])
         system = PeriodicSystem(np.eye(2), zero, zero, K, [[[1.0, 0.8], [0.8, 1.0]]])
         assert 2.85 < fitted_order(eps, gaps(system, "2ω₁", eps, cut=7)) < 3.15
+
+
+def test_states_of_a_wide_block_are_not_counted_twice() -> None:
+    """Of the frequencies 1, 3.16, 1.32 the third joins through the second, itself further than `NEAR` from the pair."""
+    zero, eps = np.zeros((3, 3)), np.array([0.04, 0.02, 0.01])
+    F = [[1.0, 0.8, 0.9], [0.8, 1.0, 0.7], [0.9, 0.7, 1.0]]
+    system = PeriodicSystem(np.eye(3), zero, zero, np.diag(np.array([1.0, 3.16, 1.32]) ** 2), [F])
+    assert np.abs(curves(system)["2ω₁"].resonance.block.detuning).max() > NEAR * 2.0
+    assert 2.85 < fitted_order(eps, gaps(system, "2ω₁", eps, cut=6)) < 3.15
+
+
+def test_a_narrow_region_in_a_block_is_not_overlooked() -> None:
+    """Far narrower than the samples of the search, which spans what the strong coupling to the third state can move."""
+    zero, eps = np.zeros((2, 2)), 0.03
+    system = PeriodicSystem(np.eye(2), zero, zero, np.diag([1.0, 9.3]), [[[0.003, 0.8], [0.8, 1.0]]])
+    found = curves(system)["2ω₁"]
+    assert len(found.resonance.block.states) > 2
+    lower, upper = found.edges(eps)
+    assert 0 < upper - lower < 2e-4
+    exact = hill_edges(system, 0.5 * (lower + upper), upper - lower, eps, cut=7)
+    np.testing.assert_allclose((lower, upper), exact, atol=0.2 * eps**3)
+
+
+def test_of_two_regions_in_a_block_the_pair_has_its_own() -> None:
+    """(ω₁+ω₂)/2 beside 2ω₂/3, in whose faster growth its states take part as well: the width grows like eps."""
+    found = curves(random_system(16, 2, harmonics=2))["(ω₁+ω₂)/2"]
+    assert len(found.resonance.block.states) == 4
+    lower, upper = found.edges([0.005, 0.01, 0.02])
+    np.testing.assert_allclose((upper - lower) / [0.005, 0.01, 0.02], 0.217, atol=0.02)
 
 
 def test_blocks_stay_small_and_divide_by_nothing_small() -> None:
