@@ -1,0 +1,192 @@
+"""One system in one window of excitation frequency and amplitude: chart, analytic curves, pictures, data."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import floor, log10
+from pathlib import Path
+
+import numpy as np
+
+from compare.overlay import overlay
+from floquet import StabilityChart, stability_chart
+from periodic import PeriodicSystem, SystemFamily
+from periodic.checks import FloatArray, interval, one_of, real_number, whole_number
+from perturb import TransitionCurve, transition_curves
+
+# A default window shows the main regions of this many modes.
+MODES_SHOWN = 3
+# A default eps_max changes the stiffness of the softest direction by about this part; a stiffness that is not positive
+# (a Paul trap) has to be overcome before there is anything stable.
+STIFFNESS_CHANGE, OVERCOMING = 0.5, 5.0
+# Frequencies below this part of the highest one belong to rigid-body motion: the square root of rounding.
+RIGID = 1e-6
+# More columns or rows than any screen has; keeps a slip from filling the memory.
+MOST_POINTS = 10_000
+# Values of eps at which a curve is looked at to see whether it is open anywhere in the window.
+CURVE_POINTS = 65
+
+
+@dataclass(frozen=True, eq=False)
+class Exploration:
+    """What theory and integration say about a system in a window.
+
+    Attributes
+    ----------
+    title : str
+        Heading of pictures and pages.
+    chart : StabilityChart
+        Floquet multipliers over the window.
+    curves : list of TransitionCurve
+        Analytic regions that are open somewhere in the window, by ascending centre.
+    order : int
+        Order of the theory, 1 or 2.
+    remark : str
+        Why there are no analytic curves; empty if there are.
+    """
+
+    title: str
+    chart: StabilityChart
+    curves: list[TransitionCurve]
+    order: int
+    remark: str
+
+    @property
+    def audit(self) -> str:
+        """A sentence about the cells that were integrated a second time, by another method."""
+        audit = self.chart.audit
+        if audit is None or not audit.compared:
+            return "No cell could be integrated again by another method."
+        found = f"{audit.compared} cells integrated again by another method differ by {audit.largest_difference:.1e}"
+        if audit.ok:
+            return f"{found} in log|μ| at most, within the estimated error."
+        return f"{found} in log|μ|, {audit.largest_ratio:.1f} times the estimated error: do not trust this chart."
+
+    def write(self, folder: Path, name: str, *, netcdf: bool = False) -> None:
+        """Write ``name``-chart.png, ``name``-overlay.png and .pdf, ``name``.npz and on request ``name``.nc.
+
+        Raises
+        ------
+        ValueError
+            If ``netcdf`` is asked for without the package xarray.
+        """
+        overlay(self.chart, [], title=self.title).savefig(folder / f"{name}-chart.png")
+        figure = overlay(self.chart, self.curves, title=self.title)
+        for suffix in ("png", "pdf"):
+            figure.savefig(folder / f"{name}-overlay.{suffix}")
+        self.chart.save(folder / f"{name}.npz")
+        if netcdf:
+            try:
+                data = self.chart.to_xarray()
+            except ImportError:
+                raise ValueError("NetCDF needs xarray; install it with: pip install 'floquet-charts[xarray]'") from None
+            # NetCDF has no complex numbers.
+            data = data.assign(multiplier_real=data.multiplier.real, multiplier_imag=data.multiplier.imag)
+            data.drop_vars("multiplier").to_netcdf(folder / f"{name}.nc", engine="scipy")
+
+
+def explore(
+    family: SystemFamily,
+    Omega_range: tuple[float, float],
+    eps_max: float,
+    *,
+    points: tuple[int, int] = (256, 128),
+    order: int = 1,
+    title: str = "",
+    n_jobs: int = -1,
+    progress: bool = False,
+) -> Exploration:
+    """Integrate a window and lay the analytic curves over it.
+
+    Parameters
+    ----------
+    family : SystemFamily
+        Any system; one without symmetric positive definite stiffness has no analytic curves, and ``remark`` says so.
+    Omega_range : (float, float)
+        Excitation frequencies, 0 < low < high.
+    eps_max : float
+        Largest amplitude, > 0; the chart starts at 0.
+    points : (int, int)
+        Columns along Omega and rows along eps, 2 to 10,000 each.
+    order : 1 or 2
+        Order of the theory.
+    title : str
+        Heading.
+    n_jobs : int
+        Workers, as in joblib.
+    progress : bool
+        Show a progress bar.
+
+    Raises
+    ------
+    ValueError
+        If an argument is out of range, or the system cannot be integrated in this window.
+    """
+    window = interval("Omega_range", Omega_range, nonnegative=True)
+    real_number("Omega_range[0]", window[0], positive=True)
+    eps_max = real_number("eps_max", eps_max, positive=True)
+    columns, rows = (whole_number("points", number, least=2, most=MOST_POINTS) for number in points)
+    one_of("order", order, (1, 2))
+    curves, remark = analytic_curves(family, window, eps_max, order)
+    chart = stability_chart(
+        family, np.linspace(*window, columns), np.linspace(0, eps_max, rows), n_jobs=n_jobs, progress=progress
+    )
+    return Exploration(title, chart, curves, order, remark)
+
+
+def analytic_curves(
+    family: SystemFamily, window: tuple[float, float], eps_max: float, order: int
+) -> tuple[list[TransitionCurve], str]:
+    """Return the curves open somewhere in the window, or none and a sentence that says why there is no theory."""
+    try:
+        curves = transition_curves(family, window, order=order)
+    except ValueError as error:  # the window has been checked: it is the system that the theory refuses
+        return [], f"The analytic curves are left out: {error}."
+    return [curve for curve in curves if is_open(curve, eps_max)], ""
+
+
+def is_open(curve: TransitionCurve, eps_max: float) -> bool:
+    """Whether theory finds the region open, with a width, at some eps up to ``eps_max``."""
+    lower, upper = curve.edges(np.linspace(0, eps_max, CURVE_POINTS))
+    return bool((upper > lower).any())
+
+
+def default_window(system: PeriodicSystem) -> tuple[tuple[float, float], float]:
+    """Return a window (Omega_range, eps_max) that shows the main regions of a system's lowest modes.
+
+    From half the lowest natural frequency to a tenth above twice the third; eps up to the value that changes the
+    stiffness, in the direction in which that is easiest, by about half (five times where it is not positive).
+
+    Raises
+    ------
+    ValueError
+        If the system does not oscillate without excitation, so that it suggests no window.
+    """
+    scale = np.linalg.inv(np.linalg.cholesky(system.mass))
+    stiffness, velocity = (
+        scale @ matrix @ scale.T for matrix in (system.stiffness, system.gyroscopic + system.damping)
+    )
+    n = system.size
+    first_order = np.block([[-velocity, -stiffness], [np.eye(n), np.zeros((n, n))]])
+    frequencies = np.sort(np.abs(np.linalg.eigvals(first_order)))[::2]  # they come in pairs
+    frequencies = frequencies[frequencies > RIGID * frequencies[-1]]
+    if frequencies.size == 0:
+        raise ValueError("the system does not oscillate without excitation; give the window of Omega and eps yourself")
+    shown = frequencies[:MODES_SHOWN]
+    return (_rounded(0.5 * shown[0]), _rounded(2.2 * shown[-1])), min(10.0, _default_eps(system, scale, stiffness))
+
+
+def _default_eps(system: PeriodicSystem, scale: FloatArray, stiffness: FloatArray) -> float:
+    values, vectors = np.linalg.eigh(0.5 * (stiffness + stiffness.T))
+    size = np.abs(values)
+    if not size.any():
+        return 1.0
+    soft = scale.T @ vectors / np.sqrt(np.maximum(size, RIGID * size.max()))
+    change = max(float(np.linalg.norm(soft.T @ F @ soft, 2)) for F in (*system.cosine, *system.sine))
+    wanted = STIFFNESS_CHANGE if values[0] > 0 else OVERCOMING
+    return _rounded(wanted / change) if change > 0 else 1.0
+
+
+def _rounded(value: float) -> float:
+    """Return ``value`` to two significant digits."""
+    return round(float(value), 1 - floor(log10(value)))

@@ -1,0 +1,348 @@
+"""The explorer's page: chart, multipliers and growing solution in Bokeh, alike in a file and on the live server.
+
+Everything the page shows lives in four sources. `Page.show` fills those of the chart from an `Exploration`,
+`Page.pick` (live) or a click (in a file) chooses a `Response`, and the browser draws it: data flow one way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from bokeh.core.properties import value
+from bokeh.document import Document
+from bokeh.embed import file_html
+from bokeh.events import DocumentReady, Tap
+from bokeh.layouts import column, row
+from bokeh.models import (
+    ColorBar,
+    ColumnDataSource,
+    CustomJS,
+    CustomJSHover,
+    CustomJSTickFormatter,
+    Div,
+    FixedTicker,
+    HoverTool,
+    Legend,
+    LegendItem,
+    LinearColorMapper,
+    RadioButtonGroup,
+    Range1d,
+)
+from bokeh.models.layouts import LayoutDOM
+from bokeh.palettes import Blues256
+from bokeh.plotting import figure
+from bokeh.resources import INLINE
+
+from compare.exploration import Exploration
+from compare.overlay import BLUE, GREEN, GREY, ORANGE, PURPLE
+from compare.response import Response
+from floquet import Kind, StabilityChart
+from perturb import TransitionCurve
+
+SCRIPT = (Path(__file__).parent / "page.js").read_text(encoding="utf-8")
+STYLE = {"font-family": "system-ui, sans-serif", "font-size": "14px", "color": "#222"}
+
+# From a blue that can be seen on white to a dark one, as in the printed overlays.
+GROWTH_PALETTE = tuple(reversed(Blues256[:220]))
+UNDECIDED_GREY = "#bbbbbb"
+KIND_COLOURS = {Kind.PLUS_ONE: GREEN, Kind.MINUS_ONE: BLUE, Kind.COMPLEX: PURPLE}
+KIND_NAMES = {
+    Kind.UNDECIDED: "undecided",
+    Kind.STABLE: "stable",
+    Kind.PLUS_ONE: "unstable, multiplier near +1",
+    Kind.MINUS_ONE: "unstable, multiplier near −1",
+    Kind.COMPLEX: "unstable, complex pair",
+}
+CURVE_POINTS = 121
+# Labels closer than this part of the window go to different lines; narrower regions get none.
+LABEL_WIDTH, LEAST_WIDTH = 0.055, 1 / 400
+PERIODS = 10
+MOST_DECADES = 16  # circles around the unit circle, at |mu| = 10, 100, ...
+
+
+class Page:
+    """One page: `layout` to embed, `show` and `pick` to fill.
+
+    Parameters
+    ----------
+    title : str
+        Heading.
+    hint : str
+        What clicking does.
+    """
+
+    def __init__(self, title: str, hint: str) -> None:
+        self.cells = ColumnDataSource(_cell_data(None))
+        self.curves = ColumnDataSource({"xs": [], "ys": [], "label": []})
+        self.labels = ColumnDataSource({"x": [], "y": [], "text": []})
+        self.points = ColumnDataSource(_point_data([]))
+        self.heading = Div(text="", styles=STYLE, margin=(8, 10, 0, 10))
+        self.message = Div(text="", styles=STYLE, margin=(0, 10, 0, 10), name="message")
+        self.facts = Div(text=hint, height=66, styles=STYLE, margin=(0, 10, 0, 10), name="facts")
+        self.figure = self._chart()
+        self._draw = self._details()
+        self.title(title)
+
+    def title(self, text: str) -> None:
+        """Set the heading."""
+        self.heading.text = f"<b style='font-size:17px'>{_escaped(text)}</b>"
+
+    def tell(self, text: str, *, fault: bool = False) -> None:
+        """Show a sentence under the heading, in the warning colour for a ``fault``."""
+        self.message.text = f"<span style='color:{ORANGE if fault else GREY}'>{_escaped(text)}</span>"
+
+    def frame(self, Omega: tuple[float, float], eps: tuple[float, float]) -> None:
+        """Set the window that the page opens with and that the reset tool goes back to."""
+        self.figure.x_range.update(start=Omega[0], end=Omega[1], reset_start=Omega[0], reset_end=Omega[1])
+        self.figure.y_range.update(start=eps[0], end=eps[1], reset_start=eps[0], reset_end=eps[1])
+
+    def show(self, exploration: Exploration) -> None:
+        """Show a chart with its curves."""
+        chart = exploration.chart
+        self.cells.data = _cell_data(chart)
+        unstable = chart.growth_rate[chart.kind > Kind.STABLE]
+        self._growth_colours.high = float(unstable.max()) if unstable.size else 1.0
+        self.curves.data = _curve_data(exploration.curves, chart)
+        self.labels.data = _label_data(exploration.curves, chart)
+        self._curve_item.label = value(f"multiple scales, order {exploration.order}")
+
+    def pick(self, response: Response) -> None:
+        """Show one point (live page)."""
+        self.points.data = _point_data([response])
+
+    def live(self, document: Document, controls: Sequence[LayoutDOM]) -> None:
+        """Put the page into a server's document, to draw a point whenever `pick` gives one."""
+        draw = CustomJS(args=self._draw, code=f"{SCRIPT}\ndraw(0)")
+        self.figure.tags = [self.points]  # makes it part of the document, which no other model does
+        self.points.js_on_change("data", draw)
+        document.js_on_event(DocumentReady, draw)  # a point that came before the browser was ready for changes
+        document.add_root(self.layout(controls))
+
+    def html(self, responses: Sequence[Response]) -> str:
+        """Return the page as one file that needs no server: a click shows the nearest of ``responses``."""
+        self.points.data = _point_data(responses)
+        nearest = CustomJS(args=self._draw, code=f"{SCRIPT}\ndraw(nearest(cb_obj.x, cb_obj.y))")
+        self.figure.js_on_event(Tap, nearest)
+        document = Document(title="Stability chart")
+        document.add_root(self.layout())
+        document.js_on_event(DocumentReady, CustomJS(args=self._draw, code=f"{SCRIPT}\ndraw(fastest())"))
+        return file_html(document, INLINE, suppress_callback_warning=True)
+
+    def layout(self, controls: Sequence[LayoutDOM] = ()) -> LayoutDOM:
+        """Return the page's root, with ``controls`` under the heading."""
+        details = column(self.facts, self._circle, self._wave, width=430)
+        body = row(column(self._choice, self.figure, sizing_mode="stretch_width"), details, sizing_mode="stretch_width")
+        return column(self.heading, self.message, *controls, body, sizing_mode="stretch_width")
+
+    def _chart(self) -> figure:
+        plot = figure(
+            height=540,
+            min_width=520,
+            sizing_mode="stretch_width",
+            tools="pan,box_zoom,wheel_zoom,reset,save",
+            active_drag="box_zoom",
+            x_range=Range1d(0, 1),
+            y_range=Range1d(0, 1),
+            x_axis_label="excitation frequency Ω",
+            y_axis_label="amplitude ε",
+        )
+        plot.toolbar.logo = None
+        plot.grid.visible = False
+        plot.axis.axis_label_text_font_style = "normal"
+        self._growth_colours = LinearColorMapper(
+            palette=GROWTH_PALETTE, low=0, high=1, low_color=UNDECIDED_GREY, nan_color=(0, 0, 0, 0)
+        )
+        kind_colours = LinearColorMapper(
+            palette=[*KIND_COLOURS.values()], low=0.5, high=3.5, low_color=UNDECIDED_GREY, nan_color=(0, 0, 0, 0)
+        )
+        frame = {"x": "x", "y": "y", "dw": "dw", "dh": "dh", "source": self.cells}
+        growth = plot.image(image="growth", color_mapper=self._growth_colours, **frame)
+        kinds = plot.image(image="kind", color_mapper=kind_colours, visible=False, **frame)
+        growth_bar = ColorBar(color_mapper=self._growth_colours, width=12, padding=4)
+        kind_bar = ColorBar(
+            color_mapper=kind_colours,
+            ticker=FixedTicker(ticks=[1, 2, 3]),
+            major_label_overrides={1: "near +1", 2: "near −1", 3: "complex"},
+            width=12,
+            padding=4,
+            visible=False,
+        )
+        plot.add_layout(growth_bar, "right")
+        plot.add_layout(kind_bar, "right")
+        curves = plot.multi_line("xs", "ys", source=self.curves, color=ORANGE, width=1.8, dash=[6, 4])
+        labels = plot.text(
+            "x", "y", "text", source=self.labels, color="#222", font_size="13px", align="center", baseline="top",
+            background_fill_color="white", background_fill_alpha=0.75, padding=2,
+        )  # fmt: skip
+        self._marker = plot.scatter(
+            [], [], marker="circle_x", size=13, fill_alpha=0, line_color="black", line_width=1.5
+        )
+        undecided = plot.scatter([], [], marker="square", size=9, color=UNDECIDED_GREY)
+        self._curve_item = LegendItem(label="multiple scales", renderers=[curves])
+        plot.add_layout(
+            Legend(
+                items=[
+                    self._curve_item,
+                    LegendItem(label="region labels", renderers=[labels]),
+                    LegendItem(label="undecided", renderers=[undecided]),
+                ],
+                click_policy="hide",
+                orientation="horizontal",
+                border_line_color=None,
+            ),
+            "above",
+        )
+        place = CustomJSHover(args={"cells": self.cells}, code=f"{SCRIPT}\nreturn coordinate(special_vars, format)")
+        names = {int(kind): name for kind, name in KIND_NAMES.items()}
+        kind_name = CustomJSHover(
+            args={"names": [*names.items()]}, code="return new Map(names).get(Math.round(value)) ?? 'stable'"
+        )
+        plot.add_tools(
+            HoverTool(
+                renderers=[growth, kinds],
+                tooltips=[
+                    ("Ω", "$x{Omega}"),
+                    ("ε", "$y{eps}"),
+                    ("growth rate", "@rate{%.5g}"),
+                    ("verdict", "@verdict{custom}"),
+                    ("error of log|μ|", "@error{%.1e}"),
+                ],
+                formatters={"$x": place, "$y": place, "@verdict": kind_name, "@rate": "printf", "@error": "printf"},
+            )
+        )
+        self._choice = RadioButtonGroup(labels=["growth rate", "kind of instability"], active=0, margin=(6, 10, 0, 10))
+        self._choice.js_on_change(
+            "active",
+            CustomJS(
+                args={"views": [[growth, growth_bar], [kinds, kind_bar]]},
+                code="views.forEach((view, i) => view.forEach((model) => { model.visible = i === cb_obj.active }))",
+            ),
+        )
+        return plot
+
+    def _details(self) -> dict[str, Any]:
+        """Build the two small plots and return what the browser needs to draw a point into them."""
+        self._circle = figure(
+            width=420, height=290, title="multipliers (outside |μ| = 1 the radius is logarithmic)", tools="",
+            x_range=Range1d(-1.7, 1.7), y_range=Range1d(-1.3, 1.3), toolbar_location=None,
+        )  # fmt: skip
+        self._circle.axis.visible = False
+        self._circle.grid.visible = False
+        angle = np.linspace(0, 2 * np.pi, 181)
+        x, y = np.cos(angle), np.sin(angle)
+        decades = range(2, MOST_DECADES + 2)
+        self._circle.multi_line([k * x for k in decades], [k * y for k in decades], line_color="#ccc")
+        self._circle.line(x, y, line_color="#444", line_width=1.2)
+        multipliers = ColumnDataSource({"x": [], "y": [], "colour": [], "value": [], "modulus": []})
+        dots = self._circle.scatter(
+            "x", "y", source=multipliers, size=8, color="colour", fill_alpha=0.6, line_width=1.2
+        )
+        self._circle.add_tools(HoverTool(renderers=[dots], tooltips=[("μ", "@value"), ("|μ|", "@modulus{0.00000}")]))
+        self._wave = figure(
+            width=420, height=240, title="solution over ten periods", tools="", toolbar_location=None,
+            x_range=Range1d(0, PERIODS), y_range=Range1d(-1, 1),
+            x_axis_label="t / T", y_axis_label="amplitude, asinh scale",
+        )  # fmt: skip
+        self._wave.grid.grid_line_color = "#eee"
+        self._wave.axis.axis_label_text_font_style = "normal"
+        solution = ColumnDataSource({"t": [], "w": []})
+        self._wave.line("t", "w", source=solution, color=BLUE, width=1.3)
+        ticker = FixedTicker(ticks=[0])
+        self._wave.yaxis.ticker = ticker
+        self._wave.ygrid.ticker = ticker
+        self._wave.yaxis.formatter = CustomJSTickFormatter(code=f"{SCRIPT}\nreturn amplitudeLabel(tick)")
+        return {
+            "points": self.points,
+            "multipliers": multipliers,
+            "solution": solution,
+            "marker": self._marker.data_source,
+            "ticker": ticker,
+            "circle": self._circle,
+            "wave": self._wave,
+            "chart": self.figure,
+            "facts": self.facts,
+            "names": [[int(kind), name] for kind, name in KIND_NAMES.items()],
+            "colours": [BLUE, ORANGE],
+            "periods": PERIODS,
+        }
+
+
+def _cell_data(chart: StabilityChart | None) -> dict[str, Any]:
+    """Return the images of a chart: cells are centred on its grid points. Stable cells are transparent."""
+    names = ("growth", "kind", "rate", "verdict", "error")
+    if chart is None:
+        return {name: [] for name in (*names, "x", "y", "dw", "dh")}
+    unstable, undecided = chart.kind > Kind.STABLE, chart.kind == Kind.UNDECIDED
+    growth = np.where(unstable, chart.growth_rate, np.where(undecided, -1.0, np.nan))
+    kind = np.where(unstable | undecided, chart.kind, np.nan)
+    arrays = (growth, kind, chart.growth_rate, chart.kind, chart.error)
+    images = {name: [np.asarray(array, np.float32)] for name, array in zip(names, arrays, strict=True)}
+    (x, dw), (y, dh) = _extent(chart.Omega), _extent(chart.eps)
+    return {**images, "x": [x], "y": [y], "dw": [dw], "dh": [dh]}
+
+
+def _extent(grid: np.ndarray) -> tuple[float, float]:
+    step = float(grid[-1] - grid[0]) / (grid.size - 1)
+    return float(grid[0]) - step / 2, step * grid.size
+
+
+def _curve_data(curves: Sequence[TransitionCurve], chart: StabilityChart) -> dict[str, Any]:
+    eps_max = float(chart.eps[-1])
+    # crowded towards each tip, where a damped region turns
+    share = np.linspace(0, 1, CURVE_POINTS) ** 2
+    xs, ys, names = [], [], []
+    for curve in curves:
+        start = curve.tip if 0 < curve.tip < eps_max else 0.0
+        eps = start + (eps_max - start) * share
+        for edge in curve.edges(eps):
+            xs.append(np.where(np.isfinite(edge), edge, np.nan))
+            ys.append(eps)
+            names.append(curve.label)
+    return {"xs": xs, "ys": ys, "label": names}
+
+
+def _label_data(curves: Sequence[TransitionCurve], chart: StabilityChart) -> dict[str, Any]:
+    """Place the names of regions wide enough to be seen at the top of the chart, on lines without overlap."""
+    low, high, bottom, top = (float(grid[end]) for grid in (chart.Omega, chart.eps) for end in (0, -1))
+    ends: list[float] = []  # where the last label on each line stands
+    x, y, text = [], [], []
+    for curve in sorted(curves, key=lambda curve: curve.centre):
+        lower, upper = curve.edges(top)
+        if not (low < curve.centre < high and upper - lower > LEAST_WIDTH * (high - low)):
+            continue
+        gap = LABEL_WIDTH * (high - low) * max(1.0, len(curve.label) / 5)
+        line = next((i for i, end in enumerate(ends) if curve.centre - end > gap), len(ends))
+        ends[line : line + 1] = [curve.centre]
+        x.append(curve.centre)
+        y.append(top - (top - bottom) * (0.015 + 0.05 * line))
+        text.append(curve.label)
+    return {"x": x, "y": y, "text": text}
+
+
+def _point_data(responses: Sequence[Response]) -> dict[str, Any]:
+    """Return one row for each response; multipliers and waves as rows of a matrix."""
+
+    def matrix(values: list[np.ndarray]) -> np.ndarray:
+        return np.array(values, np.float32) if values else np.empty((0, 0), np.float32)
+
+    return {
+        "Omega": np.array([r.Omega for r in responses]),
+        "eps": np.array([r.eps for r in responses]),
+        "rate": np.array([r.growth_rate for r in responses]),
+        "error": np.array([r.error for r in responses]),
+        "kind": np.array([int(r.kind) for r in responses], np.int32),
+        "coordinate": np.array([r.coordinate + 1 for r in responses], np.int32),
+        "mu_re": np.array([r.mu.real for r in responses]),
+        "mu_im": np.array([r.mu.imag for r in responses]),
+        "re": matrix([r.multipliers.real for r in responses]),
+        "im": matrix([r.multipliers.imag for r in responses]),
+        "wave_re": matrix([r.wave.real for r in responses]),
+        "wave_im": matrix([r.wave.imag for r in responses]),
+    }
+
+
+def _escaped(text: str) -> str:
+    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")

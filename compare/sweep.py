@@ -1,0 +1,224 @@
+"""How the regions of a plate move with one of its parameters: lines by theory, a few points by integration."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from joblib import Parallel, delayed
+from numpy.typing import ArrayLike
+from scipy.optimize import brentq
+from tqdm import tqdm
+
+from compare.cases import Plate
+from compare.variation import SWEEPABLE, varied
+from floquet import monodromy, trace_boundary
+from periodic.checks import FloatArray, grid, one_of, real_number
+from perturb import TransitionCurve, gyroscopic_modes, transition_curves
+from plate import MovingPlate
+
+# Values of the parameter at which regions are traced too: enough to see whether the line is right.
+TRACED_VALUES = 6
+# A threshold is looked for on the centre line that the region has this far above the threshold of theory, ...
+ABOVE_TIP = 1.05
+# ... between these multiples of the threshold of theory.
+LOWEST_TIP, HIGHEST_TIP = 0.5, 1.5
+# Thresholds beyond this are neither traced nor drawn: the excitation exceeds the static load, and theory its range.
+MOST_TIP = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class RegionSweep:
+    """One region along a sweep of m values, of which k are traced.
+
+    Attributes
+    ----------
+    label : str
+        Name of the resonance, with the modes numbered by frequency at each value: where two frequencies cross, two
+        regions change names.
+    centre, slope, tip : ndarray, shape (m,)
+        By theory: frequency at which the region opens, d(half width) / d eps for large eps, and threshold.
+    width : ndarray, shape (m,)
+        By theory, at the sweep's eps; 0 where the region is closed.
+    traced_centre, traced_width, traced_tip : ndarray, shape (k,)
+        By integration: middle of the two edges at the sweep's eps (NaN where closed), their distance (0 where closed),
+        and threshold (NaN without damping, above 1, or where there is none near the one of theory).
+    """
+
+    label: str
+    centre: FloatArray
+    slope: FloatArray
+    tip: FloatArray
+    width: FloatArray
+    traced_centre: FloatArray
+    traced_width: FloatArray
+    traced_tip: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """Regions as functions of a parameter; made by `sweep`.
+
+    Attributes
+    ----------
+    name : str
+        The parameter.
+    eps : float
+        Amplitude at which widths are compared.
+    values, traced_values : ndarray, shapes (m,) and (k,)
+        Values of the parameter; the traced ones are among them.
+    regions : list of RegionSweep
+    left_out : list of (float, str)
+        Values at which there is no such plate, and why.
+    """
+
+    name: str
+    eps: float
+    values: FloatArray
+    traced_values: FloatArray
+    regions: list[RegionSweep]
+    left_out: list[tuple[float, str]]
+
+    @property
+    def remark(self) -> str:
+        """A sentence about the values left out; empty if there are none."""
+        if not self.left_out:
+            return ""
+        values = [value for value, _ in self.left_out]
+        return f"{self.name} from {min(values):.6g} to {max(values):.6g} is left out: {self.left_out[0][1]}"
+
+    def write(self, folder: Path, name: str) -> None:
+        """Write ``name``.csv, one line for each value and region, and ``name``.npz, one array for each attribute."""
+        lines = ("centre", "slope", "tip", "width")
+        points = ("traced_centre", "traced_width", "traced_tip")
+        with (folder / f"{name}.csv").open("w", encoding="utf-8", newline="") as file:
+            table = csv.writer(file)
+            table.writerow([self.name, "region", *lines, *points])
+            for region in self.regions:
+                for i, value in enumerate(self.values):
+                    traced = np.flatnonzero(self.traced_values == value)
+                    numbers = [getattr(region, column)[i] for column in lines]
+                    numbers += [getattr(region, column)[traced[0]] if traced.size else "" for column in points]
+                    table.writerow([value, region.label, *numbers])
+        arrays = {
+            column: np.array([getattr(region, column) for region in self.regions]) for column in (*lines, *points)
+        }
+        arrays |= {"values": self.values, "traced_values": self.traced_values, "eps": np.array(self.eps)}
+        arrays["labels"] = np.array([region.label for region in self.regions])
+        np.savez_compressed(folder / f"{name}.npz", allow_pickle=False, **arrays)
+
+
+def sweep(
+    plate: Plate,
+    name: str,
+    values: ArrayLike,
+    regions: Sequence[tuple[int, int]],
+    *,
+    eps: float = 0.1,
+    order: int = 1,
+    n_jobs: int = -1,
+    progress: bool = False,
+) -> Sweep:
+    """Follow the main regions (sum type, first harmonic) of a plate along one parameter.
+
+    Parameters
+    ----------
+    plate : Plate
+        Table of a case file; everything but ``name`` stays as it is.
+    name : str
+        "speed", "tension", "damping", "aspect_ratio", "poisson_ratio", "thickness_ratio" or "width" (of the load).
+    values : array_like, shape (m,)
+        Increasing. Those without a plate, such as speeds above divergence, are left out and listed.
+    regions : sequence of (int, int)
+        Pairs of modes, from 1.
+    eps : float
+        Amplitude at which widths are compared and edges traced, > 0.
+    order : 1 or 2
+        Order of the theory.
+    n_jobs : int
+        Regions traced at once (threads), as in joblib.
+    progress : bool
+        Show progress bars.
+
+    Raises
+    ------
+    ValueError
+        If an argument is out of range, there is no plate at any value, or a mode has a number beyond the plate's.
+    """
+    one_of("name", name, SWEEPABLE)
+    eps = real_number("eps", eps, positive=True)
+    pairs = [(max(pair), min(pair)) for pair in regions]
+    plates: dict[float, MovingPlate] = {}
+    left_out: list[tuple[float, str]] = []
+    for value in grid("values", values).tolist():
+        try:
+            plates[value] = varied(plate, name, value).build()
+        except ValueError as error:
+            left_out.append((value, str(error)))
+    if not plates:
+        raise ValueError(f"{name} gives no plate at any of the values; at {left_out[0][0]:.6g}: {left_out[0][1]}")
+    kept = np.array([*plates])
+    bar = tqdm(plates.values(), desc="theory", unit="value", disable=not progress)
+    theory = [_curves(family, pairs, order) for family in bar]
+    traced = np.unique(np.linspace(0, kept.size - 1, TRACED_VALUES).round().astype(int))
+    found = Parallel(n_jobs=n_jobs, prefer="threads", return_as="generator")(
+        delayed(_trace)(plates[kept[i]], curve, eps) for i in traced for curve in theory[i]
+    )
+    total = traced.size * len(pairs)
+    points = np.array([*tqdm(found, desc="boundaries", total=total, unit="region", disable=not progress)])
+    points = points.reshape(traced.size, len(pairs), 3)
+    rows = [_row([curves[k] for curves in theory], eps, points[:, k]) for k in range(len(pairs))]
+    return Sweep(name, eps, kept, kept[traced], rows, left_out)
+
+
+def _curves(family: MovingPlate, pairs: Sequence[tuple[int, int]], order: int) -> list[TransitionCurve]:
+    frequencies = gyroscopic_modes(family.at(0.0)).frequencies
+    most = max(p for p, _ in pairs)
+    if most > frequencies.size:
+        raise ValueError(f"regions ask for mode {most}; the plate has {frequencies.size} modes")
+    window = (frequencies[0], 2.0 * frequencies[most - 1] * (1 + 1e-9))
+    curves = transition_curves(family, window, order=order, kinds=("sum",))
+    by_modes = {(curve.p, curve.q): curve for curve in curves if curve.j == 1}
+    return [by_modes[pair] for pair in pairs]
+
+
+def _row(curves: Sequence[TransitionCurve], eps: float, points: FloatArray) -> RegionSweep:
+    edges = np.array([curve.edges(eps) for curve in curves])
+    return RegionSweep(
+        curves[0].label,
+        np.array([curve.centre for curve in curves]),
+        np.array([curve.slope for curve in curves]),
+        np.array([curve.tip for curve in curves]),
+        np.nan_to_num(edges[:, 1] - edges[:, 0]),
+        *points.T,
+    )
+
+
+def _trace(family: MovingPlate, curve: TransitionCurve, eps: float) -> tuple[float, float, float]:
+    """Return centre, width and threshold of a region by integration."""
+    trace = trace_boundary(family, curve.centre, eps)
+    is_open = bool(trace.is_open[0])
+    lower, upper = float(trace.lower[0]), float(trace.upper[0])
+    centre, width = (0.5 * (lower + upper), upper - lower) if is_open else (float("nan"), 0.0)
+    return centre, width, _traced_tip(family, curve)
+
+
+def _traced_tip(family: MovingPlate, curve: TransitionCurve) -> float:
+    """Return the eps at which the largest multiplier leaves the unit circle on the region's centre line."""
+    if not 0 < curve.tip < MOST_TIP:
+        return float("nan")
+    trace = trace_boundary(family, curve.centre, ABOVE_TIP * curve.tip)
+    Omega = 0.5 * float(trace.lower[0] + trace.upper[0])
+    if not np.isfinite(Omega):
+        return float("nan")
+
+    def growth(eps: float) -> float:
+        return monodromy(family, Omega, eps).growth_rate
+
+    low, high = LOWEST_TIP * curve.tip, HIGHEST_TIP * curve.tip
+    if not growth(low) < 0 < growth(high):
+        return float("nan")
+    return float(brentq(growth, low, high, rtol=1e-6))

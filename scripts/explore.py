@@ -1,0 +1,219 @@
+#!/usr/bin/env python3
+"""Draw the stability chart of any system in any window, look at it in the browser, or follow its regions."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from dataclasses import dataclass, replace
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from compare.cases import Plate, load_case
+from compare.exploration import default_window, explore
+from compare.matrices import load_system
+from compare.publish import staged
+from compare.response import responses
+from compare.sweep import sweep
+from compare.sweep_picture import sweep_picture
+from compare.variation import SWEEPABLE, plate_table
+from periodic import PeriodicSystem, SystemFamily
+
+EPILOG = f"""\
+examples:
+  scripts/explore.py                                   the standard plate; pictures and data go to output/
+  scripts/explore.py --case cases/fig4.toml --variant "middle half" --eps 2
+  scripts/explore.py --system mine.npz --Omega 1 30    your own matrices (docs/matrices.md)
+  scripts/explore.py --system mine.npz --html          and a page to click in, in one file
+  scripts/explore.py --serve                           the same page live, with sliders, on this machine only
+  scripts/explore.py --sweep speed=0:4.3:40            how the regions move with the speed
+
+--sweep takes {", ".join(SWEEPABLE)} (of the load).
+Without --Omega and --eps the window is the case's, or for a system the one that shows the main regions of its three
+lowest modes. The exit status is 0 if everything was written and 2 if the input is wrong.
+"""
+STANDARD_NAME, STANDARD_TITLE = "plate", "Standard plate: a/b = 1, ν = 0.3, V = 3, f₀ = 10"
+STANDARD_REGIONS = [(1, 1), (2, 2), (3, 3), (1, 2), (1, 3), (2, 3)]
+SWEEP_EPS, MOST_VALUES = 0.1, 1000
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """What is explored: a plate's table or a system, and what its case says about the picture."""
+
+    name: str
+    title: str
+    source: Plate | PeriodicSystem
+    window: tuple[float, float]
+    eps: float
+    points: tuple[int, int] = (256, 128)
+    regions: list[tuple[int, int]] | None = None
+
+    @property
+    def family(self) -> SystemFamily:
+        return self.source.build() if isinstance(self.source, Plate) else self.source
+
+
+def main(arguments: list[str] | None = None) -> int:
+    options = _parser().parse_args(arguments)
+    try:
+        subject = _subject(options)
+        if options.serve:
+            return _serve(subject, options)
+        with staged(options.output) as folder:
+            if options.sweep:
+                _sweep(subject, options, folder)
+            else:
+                _chart(subject, options, folder)
+            names = sorted(path.name for path in folder.iterdir())
+    except ValueError as error:
+        print(f"explore: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("explore: interrupted; nothing was written", file=sys.stderr)
+        return 130
+    print(f"in {options.output}: {', '.join(names)}")
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        description=__doc__, epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    what = parser.add_argument_group("what to explore (by default the standard plate)").add_mutually_exclusive_group()
+    what.add_argument("--case", type=Path, metavar="FILE", help="a case file, as in cases/")
+    what.add_argument("--system", type=Path, metavar="FILE", help="your matrices: .npz, .mat or a folder of .mtx files")
+    parser.add_argument("--variant", metavar="LABEL", help="one of a case that has several; the first if not given")
+    window = parser.add_argument_group("where")
+    window.add_argument("--Omega", type=float, nargs=2, metavar=("LOW", "HIGH"), help="excitation frequencies")
+    window.add_argument(
+        "--eps", type=float, metavar="MAX", help="largest amplitude; with --sweep the one of the widths"
+    )
+    window.add_argument("--points", type=int, nargs=2, metavar=("COLUMNS", "ROWS"), help="resolution of the chart")
+    window.add_argument("--order", type=int, choices=(1, 2), default=1, help="order of the analytic curves (1)")
+    result = parser.add_argument_group("result")
+    result.add_argument("--html", action="store_true", help="also one self-contained page (needs bokeh)")
+    result.add_argument("--netcdf", action="store_true", help="also the chart as NetCDF (needs xarray)")
+    result.add_argument("--sweep", metavar="NAME=LOW:HIGH:COUNT", help="instead: regions over a parameter of the plate")
+    result.add_argument("--serve", action="store_true", help="instead: the page live, with sliders (needs bokeh)")
+    result.add_argument("--port", type=int, default=5006, help="of the live page (5006); 0 takes a free one")
+    result.add_argument("--output", type=Path, default=Path("output"), metavar="DIR", help="where to write (output)")
+    parser.add_argument("--jobs", type=int, default=-1, metavar="N", help="workers; -1, the default, for all cores")
+    parser.add_argument("--no-progress", action="store_true", help="no progress bars")
+    return parser
+
+
+def _subject(options: argparse.Namespace) -> Subject:
+    """Return what the options name, their window in place of its own where they give one."""
+    if options.variant is not None and options.case is None:
+        raise ValueError("--variant belongs to a case with several; add --case")
+    if options.case:
+        case = load_case(options.case)
+        label, table = plate_table(case, options.variant)
+        if options.variant is None and len(case.variants) > 1:
+            others = ", ".join(repr(variant.label) for variant in case.variants[1:])
+            print(f"this is {label!r}; --variant takes also {others}")
+        title = ", ".join(filter(None, (case.title, label)))
+        name = "-".join([case.name, *label.split()]).replace("/", "-")
+        window, eps, points = case.chart.Omega, case.chart.eps, case.chart.points
+        subject = Subject(name, title, table, window, eps, points, case.regions)
+    elif options.system:
+        system = load_system(options.system)
+        complete = options.Omega is not None and options.eps is not None
+        window, eps = (options.Omega, options.eps) if complete else default_window(system)
+        subject = Subject(options.system.stem, options.system.name, system, window, eps)
+    else:
+        window, eps = default_window(Plate().build().at(0.0))
+        subject = Subject(STANDARD_NAME, STANDARD_TITLE, Plate(), window, eps, regions=STANDARD_REGIONS)
+    given = {
+        "window": options.Omega and tuple(options.Omega),
+        "eps": options.eps,
+        "points": options.points and tuple(options.points),
+    }
+    return replace(subject, **{name: value for name, value in given.items() if value is not None})
+
+
+def _chart(subject: Subject, options: argparse.Namespace, folder: Path) -> None:
+    family, progress = subject.family, not options.no_progress
+    result = explore(
+        family,
+        subject.window,
+        subject.eps,
+        points=subject.points,
+        order=options.order,
+        title=subject.title,
+        n_jobs=options.jobs,
+        progress=progress,
+    )
+    remarks = " ".join(filter(None, (result.audit, result.remark)))
+    print(remarks)
+    result.write(folder, subject.name, netcdf=options.netcdf)
+    if options.html:
+        page = _bokeh("--html").Page(subject.title, "Click the chart: the nearest computed point is shown.")
+        page.frame(subject.window, (0.0, subject.eps))
+        page.show(result)
+        page.tell(remarks)
+        points = responses(family, result.chart, n_jobs=options.jobs, progress=progress)
+        (folder / f"{subject.name}.html").write_text(page.html(points), encoding="utf-8")
+
+
+def _sweep(subject: Subject, options: argparse.Namespace, folder: Path) -> None:
+    if not isinstance(subject.source, Plate) or subject.regions is None:
+        raise ValueError("--sweep changes a parameter of the plate; leave out --system")
+    name, values = _sweep_values(options.sweep)
+    result = sweep(
+        subject.source,
+        name,
+        values,
+        subject.regions,
+        eps=SWEEP_EPS if options.eps is None else options.eps,
+        order=options.order,
+        n_jobs=options.jobs,
+        progress=not options.no_progress,
+    )
+    if result.remark:
+        print(result.remark)
+    stem = f"{subject.name}-{name}"
+    result.write(folder, stem)
+    figure = sweep_picture(result, title=subject.title)
+    for suffix in ("png", "pdf"):
+        figure.savefig(folder / f"{stem}.{suffix}")
+
+
+def _sweep_values(text: str) -> tuple[str, np.ndarray]:
+    name, _, numbers = text.partition("=")
+    try:
+        low, high, count = numbers.split(":")
+        values = np.linspace(float(low), float(high), min(int(count), MOST_VALUES + 1))
+    except ValueError:
+        raise ValueError(f"--sweep {text!r} is not NAME=LOW:HIGH:COUNT; give for example speed=0:4.3:40") from None
+    if not 2 <= values.size <= MOST_VALUES:
+        raise ValueError(f"--sweep {text!r} asks for {count} values; give 2 to {MOST_VALUES}")
+    return name, values
+
+
+def _bokeh(option: str, module: str = "page") -> Any:
+    """Return a module of compare/ that needs Bokeh, which is not everybody's."""
+    try:
+        return import_module(f"compare.{module}")
+    except ModuleNotFoundError:
+        raise ValueError(f"{option} needs bokeh; install it with: pip install 'floquet-charts[explore]'") from None
+
+
+def _serve(subject: Subject, options: argparse.Namespace) -> int:
+    live = _bokeh("--serve", "live")
+    state = live.State(subject.source, subject.window, (0.0, subject.eps))
+    server = live.serve(subject.title, state, port=options.port, order=options.order, n_jobs=options.jobs)
+    print(f"open http://{live.ADDRESS}:{server.port}/ in a browser; stop with Ctrl-C", flush=True)
+    try:
+        server.io_loop.start()
+    except KeyboardInterrupt:
+        server.stop()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
