@@ -12,7 +12,7 @@ from perturb.expansion import EffectiveBlock
 
 # Samples of Omega across the window in which the pair can be unstable. Intervals wider than the spacing are seen
 # directly, narrower ones because the exponents of the pair change places in them.
-SAMPLES = 161
+SAMPLES = 121
 
 # Where two exponents of an undamped block coalesce, their real parts are exact to the square root of rounding only.
 COALESCENCE = 1e-7
@@ -29,80 +29,98 @@ TINY = np.finfo(float).tiny
 
 
 class Exponents(NamedTuple):
-    """What the exponents of a block say at each x."""
+    """What the exponents of a block say at each point (x, eps)."""
 
     growth: FloatArray  # largest real part
     share: FloatArray  # of the pair in a growing solution, relative to the strongest other state; 0 if none grows
     above: NDArray[np.bool_]  # the exponent of the first state lies above that of the second
 
 
-def block_interval(block: EffectiveBlock, eps: float) -> tuple[float, float]:
+def block_intervals(block: EffectiveBlock, eps: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the unstable interval of x = Omega - centre in which a solution of the pair grows.
 
     The pair are the first two states of ``block``. A region of another pair that has merged with theirs is part of the
-    interval.
+    interval, as is one that lies closer than the samples can tell.
+
+    Parameters
+    ----------
+    block : EffectiveBlock
+    eps : ndarray, shape (k,)
 
     Returns
     -------
-    lower, upper : float
+    lower, upper : ndarray, shape (k,)
         NaN if there is none; infinite where it reaches the end of the window in which the pair can be in resonance.
         Of several intervals the one in which the pair has the largest share.
     """
-    strength = np.abs(block.powers[0]) + abs(eps) * np.abs(block.powers[1]) + eps**2 * np.abs(block.powers[2])
-    reach = float(strength.sum(axis=1).max())  # no exponent moves further than this (Gershgorin)
-    if reach == 0:
-        return np.nan, np.nan
-    threshold = COALESCENCE * reach if (np.diagonal(block.powers[0]).real == 0).any() else 0.0
+    strength = sum(np.abs(eps[:, None, None]) ** n * np.abs(power) for n, power in enumerate(block.powers))
+    reach = np.sum(strength, axis=-1).max(axis=-1)  # no exponent moves further than this (Gershgorin)
+    threshold = COALESCENCE * reach * (np.diagonal(block.powers[0]).real == 0).any()
     steps = np.abs(np.subtract.outer(block.states[:, 1], block.states[:, 1]))
-    window = 3 * reach / steps[steps > 0].min()
-    x = np.linspace(-window, window, SAMPLES)
-    x = np.sort(np.concatenate([x, _exchanges(block, x, eps, threshold)]))
+    x = np.linspace(-3, 3, SAMPLES) * (reach / steps[steps > 0].min())[:, None]
+    at = _exponents(block, x, eps[:, None], threshold[:, None])
+    x, at = _with_exchanges(block, x, eps, threshold, at)
 
-    at = _exponents(block, x, eps, threshold)
-    unstable = np.concatenate([[False], at.growth > threshold, [False]])
-    first, stop = np.flatnonzero(unstable[1:] & ~unstable[:-1]), np.flatnonzero(unstable[:-1] & ~unstable[1:])
-    share = [float(at.share[a:b].max()) for a, b in zip(first, stop, strict=True)]
-    if max(share, default=0.0) < SHARE:
-        return np.nan, np.nan
-    chosen = int(np.argmax(share))
-    a, b = first[chosen], stop[chosen]
-    lower = -np.inf if a == 0 else _bisect(block, eps, threshold, stable=x[a - 1], unstable=x[a])
-    upper = np.inf if b == len(x) else _bisect(block, eps, threshold, stable=x[b], unstable=x[b - 1])
-    return lower, upper
+    lower, upper = np.full(len(eps), np.nan), np.full(len(eps), np.nan)
+    stable = np.full((2, len(eps)), np.nan)  # next to the lower and to the upper edge
+    for k in range(len(eps)):
+        unstable = np.concatenate([[False], at.growth[k] > threshold[k], [False]])
+        first, stop = np.flatnonzero(unstable[1:] & ~unstable[:-1]), np.flatnonzero(unstable[:-1] & ~unstable[1:])
+        share = [float(at.share[k, a:b].max()) for a, b in zip(first, stop, strict=True)]
+        if max(share, default=0.0) >= SHARE:
+            a, b = first[np.argmax(share)], stop[np.argmax(share)]
+            lower[k], upper[k] = x[k, a], x[k, b - 1]
+            stable[0, k] = x[k, a - 1] if a > 0 else -np.inf
+            stable[1, k] = x[k, b] if b < x.shape[1] else np.inf
+    return _bisect(block, eps, threshold, stable[0], lower), _bisect(block, eps, threshold, stable[1], upper)
 
 
-def _exchanges(block: EffectiveBlock, x: FloatArray, eps: float, threshold: float) -> FloatArray:
-    """Return points between those of ``x`` at which the exponents of the pair change places and one of them grows."""
-    above = _exponents(block, x, eps, threshold).above
-    left = np.flatnonzero(above[:-1] != above[1:])
-    low, high, found = x[left], x[left + 1], np.full(len(left), np.nan)
-    for _ in range(BISECTIONS if len(left) else 0):
+def _with_exchanges(
+    block: EffectiveBlock, x: FloatArray, eps: FloatArray, threshold: FloatArray, at: Exponents
+) -> tuple[FloatArray, Exponents]:
+    """Return the samples with those points added at which the exponents of the pair change places and one grows."""
+    row, left = np.nonzero(at.above[:, :-1] != at.above[:, 1:])
+    low, high, found = x[row, left], x[row, left + 1], np.full(len(row), np.nan)
+    for _ in range(BISECTIONS if len(row) else 0):
         middle = 0.5 * (low + high)
-        at = _exponents(block, middle, eps, threshold)
-        found = np.where(at.share >= SHARE, middle, found)
-        same = at.above == above[left]
+        between = _exponents(block, middle, eps[row], threshold[row])
+        found = np.where(between.share >= SHARE, middle, found)
+        same = between.above == at.above[row, left]
         low, high = np.where(same, middle, low), np.where(same, high, middle)
-    return found[~np.isnan(found)]
+    row, found = row[~np.isnan(found)], found[~np.isnan(found)]
+    most = np.bincount(row, minlength=len(eps)).max(initial=0)
+    added = np.repeat(x[:, :1], most, axis=1)  # rows with fewer such points repeat their first sample
+    for k in range(len(eps)):
+        added[k, : (row == k).sum()] = found[row == k]
+    extra = _exponents(block, added, eps[:, None], threshold[:, None])
+    x = np.concatenate([x, added], axis=1)
+    order = np.argsort(x, axis=1, kind="stable")
+    fields = (np.concatenate(pair, axis=1) for pair in zip(at, extra, strict=True))
+    return np.take_along_axis(x, order, 1), Exponents(*(np.take_along_axis(field, order, 1) for field in fields))
 
 
-def _exponents(block: EffectiveBlock, x: FloatArray, eps: float, threshold: float) -> Exponents:
-    values, vectors = np.linalg.eig(block.matrix(x, np.full_like(x, eps)))
+def _exponents(block: EffectiveBlock, x: FloatArray, eps: FloatArray, threshold: FloatArray) -> Exponents:
+    values, vectors = np.linalg.eig(block.matrix(x, eps))
     size = np.abs(vectors) ** 2  # [..., state, exponent]
     of_level = block.same @ size
     others = ~block.same[:2].any(axis=0)
-    share = of_level[:, :2].min(axis=1) / np.maximum(of_level[:, others].max(axis=1, initial=0.0), TINY)
-    strongest = np.argmax(size[:, :2], axis=-1)  # the exponent each state of the pair takes part in most
+    rivals = of_level[..., others, :].max(axis=-2, initial=TINY)
+    share = np.where(values.real > threshold[..., None], of_level[..., :2, :].min(axis=-2) / rivals, 0.0)
+    strongest = np.argmax(size[..., :2, :], axis=-1)  # the exponent each state of the pair takes part in most
     height = np.take_along_axis(values.imag, strongest, axis=-1)
-    return Exponents(
-        growth=values.real.max(axis=-1),
-        share=np.where(values.real > threshold, share, 0.0).max(axis=-1),
-        above=height[:, 0] > height[:, 1],
-    )
+    return Exponents(values.real.max(axis=-1), share.max(axis=-1), height[..., 0] > height[..., 1])
 
 
-def _bisect(block: EffectiveBlock, eps: float, threshold: float, stable: float, unstable: float) -> float:
-    for _ in range(BISECTIONS):
+def _bisect(
+    block: EffectiveBlock, eps: FloatArray, threshold: FloatArray, stable: FloatArray, unstable: FloatArray
+) -> FloatArray:
+    """Return the edges between points ``stable`` and ``unstable``; what is not finite stays as it is in ``stable``."""
+    edge = stable.copy()
+    at = np.isfinite(stable)
+    eps, threshold, stable, unstable = eps[at], threshold[at], stable[at], unstable[at]
+    for _ in range(BISECTIONS if len(eps) else 0):
         middle = 0.5 * (stable + unstable)
-        growth = np.linalg.eigvals(block.matrix(np.array(middle), np.array(eps))).real.max()
-        stable, unstable = (stable, middle) if growth > threshold else (middle, unstable)
-    return 0.5 * (stable + unstable)
+        grows = np.linalg.eigvals(block.matrix(middle, eps)).real.max(axis=-1) > threshold
+        stable, unstable = np.where(grows, stable, middle), np.where(grows, middle, unstable)
+    edge[at] = 0.5 * (stable + unstable)
+    return edge

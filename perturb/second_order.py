@@ -13,7 +13,7 @@ import numpy as np
 
 from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import FloatArray
-from perturb.block import block_interval
+from perturb.block import block_intervals
 from perturb.curve import Resonance
 from perturb.expansion import EffectiveBlock, ModalCouplings, effective_block, modal_couplings
 from perturb.modes import ComplexArray, GyroscopicModes
@@ -131,9 +131,8 @@ class CoupledStates:
         if self._never_open:
             return np.full(eps.shape, np.nan), np.full(eps.shape, np.nan)
         if len(self.block.states) > 2:
-            intervals = np.array([block_interval(self.block, value) for value in eps.ravel().tolist()])
-            low, high = self.j * intervals.reshape(-1, 2).T
-            return low.reshape(eps.shape), high.reshape(eps.shape)
+            lower, upper = block_intervals(self.block, eps.ravel())
+            return self.j * lower.reshape(eps.shape), self.j * upper.reshape(eps.shape)
         low, high = np.zeros(eps.shape), np.zeros(eps.shape)
         for _ in range(REPETITIONS if self.block.drift.any() else 1):
             low, high = self._edges_at(low, eps)[0], self._edges_at(high, eps)[1]
@@ -161,7 +160,7 @@ class CoupledStates:
         if self._never_open:
             return False
         if len(self.block.states) > 2:
-            return not np.isnan(block_interval(self.block, eps)[0])
+            return not np.isnan(block_intervals(self.block, np.array([eps]))[0][0])
         C_p, C_q, L, _ = self._pair(np.array(0.0), np.array(eps))
         return bool(np.abs(L) + L.real > 2 * C_p * C_q)
 
