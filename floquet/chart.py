@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import tempfile
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -16,10 +16,11 @@ from numpy.typing import ArrayLike, NDArray
 from tqdm import tqdm
 
 from floquet.audit import ChartAudit, integrate_again, sample
+from floquet.checkpoint import BlockStore
 from floquet.column import Columns, chart_block, steps_needed
 from floquet.monodromy import member_at
 from floquet.multipliers import Kind
-from periodic import SystemFamily
+from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import FloatArray, grid, one_of, whole_number, workers
 
 # Enough columns to hide joblib's overhead, few enough to balance the load.
@@ -142,6 +143,7 @@ def stability_chart(
     n_jobs: int | None = -1,
     progress: bool | None = None,
     audit: int = 16,
+    cache: str | os.PathLike[str] | None = None,
 ) -> StabilityChart:
     """Integrate the periodic system at every point of a grid and return its stability chart.
 
@@ -162,6 +164,10 @@ def stability_chart(
     audit : int
         How many cells, drawn at random (always the same ones), to integrate again with `monodromy` for comparison,
         besides the one with the largest error; 0 for none.
+    cache : path, optional
+        A folder that keeps finished blocks of columns. A chart that was stopped, in whatever way, goes on where it was
+        when the same call names the same folder, and ends with the same bits; several processes may share a folder.
+        Nobody else clears it.
 
     Returns
     -------
@@ -171,7 +177,7 @@ def stability_chart(
     ------
     ValueError
         If an argument has the wrong type, shape, order or sign, or holds NaN or infinity; if a period has more steps
-        than can be taken.
+        than can be taken; if ``cache`` cannot be written to.
 
     Notes
     -----
@@ -183,6 +189,7 @@ def stability_chart(
     n_jobs = workers("n_jobs", n_jobs)
     progress = one_of("progress", progress, (True, False, None))
     audit = whole_number("audit", audit, least=0)
+    store = None if cache is None else BlockStore(cache)
 
     few = Omega[np.unique([0, Omega.size // 2, Omega.size - 1])]
     steps = steps_needed([family.at(float(w)) for w in few], few, eps)
@@ -191,7 +198,7 @@ def stability_chart(
         for start in range(0, Omega.size, COLUMNS_A_TASK):
             columns = slice(start, min(start + COLUMNS_A_TASK, Omega.size))
             systems = [family.at(float(w)) for w in Omega[columns]]
-            yield delayed(_labelled)(columns, chart_block, systems, Omega[columns], eps, steps)
+            yield delayed(_labelled)(columns, _kept_block, store, systems, Omega[columns], eps, steps)
 
     parallel = Parallel(n_jobs=n_jobs, prefer="threads", batch_size=1, return_as="generator_unordered")
     shape = (eps.size, Omega.size)
@@ -203,6 +210,20 @@ def stability_chart(
             bar.update(columns.stop - columns.start)
     chart = StabilityChart(Omega, eps, *cells)
     return chart if audit == 0 else replace(chart, audit=_audited(family, chart, audit, parallel))
+
+
+def _kept_block(
+    store: BlockStore | None, systems: Sequence[PeriodicSystem], Omega: FloatArray, eps: FloatArray, steps: float
+) -> Columns:
+    """Return a block of columns, from ``store`` if it is there; keep it there otherwise."""
+    if store is None:
+        return chart_block(systems, Omega, eps, steps)
+    path = store.path(systems, Omega, eps, steps)
+    block = store.load(path)
+    if block is None:
+        block = chart_block(systems, Omega, eps, steps)
+        store.save(path, block)
+    return block
 
 
 def _audited(family: SystemFamily, chart: StabilityChart, size: int, parallel: Parallel) -> ChartAudit:

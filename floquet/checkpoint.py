@@ -1,0 +1,110 @@
+"""Finished blocks of a chart on disk: a chart that was stopped goes on where it was, and ends with the same bits."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import os
+import platform
+import tempfile
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+
+import llvmlite.binding
+import numba
+import numpy as np
+import scipy
+
+from floquet.column import Columns
+from periodic import PeriodicSystem
+from periodic.checks import FloatArray
+
+DIGEST_BYTES = 32
+
+
+class BlockStore:
+    """A folder of finished blocks of columns, one file each, which several processes may share.
+
+    A file's name is the hash of all that its content depends on: matrices, frequencies, amplitudes, steps, this
+    package's code, the libraries and the kind of processor. It appears complete or not at all, and carries the hash of
+    its content: what a power cut or a bad disk damaged counts as not there.
+
+    Parameters
+    ----------
+    folder : str or path-like
+        Made if it does not exist.
+
+    Raises
+    ------
+    ValueError
+        If ``folder`` is no path, or cannot be made or written to.
+    """
+
+    def __init__(self, folder: str | os.PathLike[str]) -> None:
+        if not isinstance(folder, str | os.PathLike):
+            raise ValueError(f"cache = {folder!r} is not a path; give the name of a folder")
+        self.folder = Path(folder)
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            tempfile.TemporaryFile(dir=self.folder).close()
+        except OSError as error:
+            raise ValueError(
+                f"cache = {str(folder)!r} cannot be written to ({error.strerror}); give another folder"
+            ) from None
+
+    def path(self, systems: Sequence[PeriodicSystem], Omega: FloatArray, eps: FloatArray, steps: float) -> Path:
+        """Return where the block with these inputs of `floquet.column.chart_block` is kept."""
+        digest = hashlib.sha256(code_version())
+        for array in (Omega, eps, np.array(steps)):
+            _add(digest, array)
+        for system in systems:
+            for array in vars(system).values():
+                _add(digest, array)
+        return self.folder / f"{digest.hexdigest()}.block"
+
+    @staticmethod
+    def load(path: Path) -> Columns | None:
+        """Return the block in ``path``; None if there is none, or it is damaged."""
+        try:
+            data = path.read_bytes()
+        except OSError:
+            return None
+        digest, content = data[:DIGEST_BYTES], data[DIGEST_BYTES:]
+        if hashlib.sha256(content).digest() != digest:
+            return None
+        with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
+            return Columns(*(arrays[name] for name in Columns._fields))
+
+    @staticmethod
+    def save(path: Path, block: Columns) -> None:
+        """Write a block, in one step as others see it, even if the power fails."""
+        buffer = io.BytesIO()
+        np.savez(buffer, **block._asdict())
+        content = buffer.getvalue()
+        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=".part")
+        try:
+            with os.fdopen(handle, "wb") as file:
+                file.write(hashlib.sha256(content).digest() + content)
+                file.flush()
+                os.fsync(file.fileno())
+            os.replace(temporary, path)
+        except BaseException:
+            os.unlink(temporary)
+            raise
+
+
+@cache
+def code_version() -> bytes:
+    """Return the hash of everything but the inputs that the bits of a chart depend on."""
+    digest = hashlib.sha256()
+    for source in sorted(Path(__file__).parent.glob("*.py")):
+        digest.update(source.read_bytes())
+    versions = (np.__version__, scipy.__version__, numba.__version__, platform.python_version(), platform.machine())
+    digest.update("\0".join((*versions, llvmlite.binding.get_host_cpu_name())).encode())
+    return digest.digest()
+
+
+def _add(digest: hashlib._Hash, array: FloatArray) -> None:
+    digest.update(f"{array.dtype.str}{array.shape}".encode())
+    digest.update(np.ascontiguousarray(array).tobytes())
