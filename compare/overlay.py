@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -22,10 +24,12 @@ BLUE, ORANGE, GREEN, PURPLE, GREY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", 
 VARIANT_COLOURS = (BLUE, ORANGE, GREEN, PURPLE)
 # Light means stable; dark means fast growth. Blue only, so that the orange curves stay visible on every shade.
 GROWTH_MAP = "Blues"
-# Labels closer than this many characters' widths would run into each other.
-LABEL_SPACING_POINTS = 30.0
+# Labels closer than this would run into each other: the width of a character and the space between two labels.
+CHARACTER_POINTS, LABEL_GAP_POINTS = 5.6, 8.0
+# Where variants lie on top of each other, each stays visible beside the narrower line of the next.
+LINE_WIDTH, WIDER = 1.4, 1.0
 
-STYLE = {
+STYLE: dict[Any, Any] = {
     "font.size": 9,
     "axes.titlesize": 10,
     "axes.spines.top": False,
@@ -100,7 +104,7 @@ class Layer:
     label : str
         Name in the legend; empty for a system that is alone.
     chart : StabilityChart
-        Growth-rate map, drawn under a system that is alone or has a panel of its own.
+        Growth-rate map over the window.
     panels : sequence of (TransitionCurve, BoundaryTrace)
         Theory and integration, region by region.
     """
@@ -133,48 +137,49 @@ def region_panels(layers: Sequence[Layer], *, title: str = "") -> Figure:
             zip(pairs, figure.subplots(rows, columns, squeeze=False).flat, strict=False)
         ):
             shown = [
-                (curve, trace, colour)
-                for layer, colour in zip(layers, VARIANT_COLOURS, strict=False)
+                (curve, trace, VARIANT_COLOURS[order], LINE_WIDTH + WIDER * (len(layers) - 1 - order))
+                for order, layer in enumerate(layers)
                 for curve, trace in layer.panels
                 if frozenset((curve.p, curve.q)) == pair
             ]
             alone = len(layers) == 1
-            for curve, trace, colour in shown:
-                eps_max = trace.eps[-1]
-                draw_traces(axes, [trace], "black" if alone else colour, fill=True)
-                draw_curves(axes, [curve], eps_max, ORANGE if alone else colour)
-            _frame_region(axes, [(curve, trace) for curve, trace, _ in shown])
+            for curve, trace, colour, width in shown:
+                draw_traces(axes, [trace], "black" if alone else colour, width, fill=True)
+                draw_curves(axes, [curve], trace.eps[-1], ORANGE if alone else "black", LINE_WIDTH if alone else 0.9)
+            _frame_region(axes, [(curve, trace) for curve, trace, *_ in shown])
             axes.set_title(f"({chr(ord('a') + index)})  {shown[0][0].label}", loc="left")
             axes.set_xlabel("Ω")
             axes.set_ylabel("ε")
         figure.suptitle(title, fontsize=11)
-        handles = legend_handles(None, True) if len(layers) == 1 else _variant_handles(layers)
-        figure.legend(handles=handles, loc="outside lower center", ncols=4)
+        if len(layers) == 1:
+            figure.legend(handles=legend_handles(None, True), loc="outside lower center", ncols=4)
+        else:
+            figure.legend(handles=_variant_handles(layers), loc="outside lower center", ncols=len(layers))
     return figure
 
 
 def variant_panels(layers: Sequence[Layer], *, title: str = "") -> Figure:
-    """Draw one panel a system, as the paper's Fig. 5 does, with all its regions inside.
+    """Draw one panel a system, as the paper's Fig. 5 does, with the regions that the case looks at inside.
 
     Parameters and returns as `region_panels`.
     """
     with mpl.rc_context(STYLE):
-        figure = new_figure((9.0, 2.6 * len(layers) + 0.9))
+        figure = new_figure((9.0, 2.2 * len(layers) + 0.9))
         for index, (layer, axes) in enumerate(
             zip(layers, figure.subplots(len(layers), 1, sharex=True, squeeze=False).flat, strict=True)
         ):
             axes.set_xlim(layer.chart.Omega[0], layer.chart.Omega[-1])
             axes.set_ylim(0, layer.chart.eps[-1])
-            curves = [curve for curve, _ in layer.panels]
-            draw_growth(axes, layer.chart)
-            draw_traces(axes, [trace for _, trace in layer.panels])
+            opened = [(curve, trace) for curve, trace in layer.panels if trace.is_open.any()]
+            draw_traces(axes, [trace for _, trace in opened], fill=True)
+            curves = [curve for curve, _ in opened]
             draw_curves(axes, curves, layer.chart.eps[-1])
             label_regions(axes, curves, layer.chart.eps[-1])
             axes.set_title(f"({chr(ord('a') + index)})  {layer.label}", loc="left", pad=26)
             axes.set_ylabel("ε")
         axes.set_xlabel("excitation frequency Ω")
         figure.suptitle(title, fontsize=11)
-        figure.legend(handles=legend_handles(layers[0].chart, True), loc="outside lower center", ncols=4)
+        figure.legend(handles=legend_handles(None, True), loc="outside lower center", ncols=4)
     return figure
 
 
@@ -189,18 +194,18 @@ def _frame_region(axes: Axes, shown: Sequence[tuple[TransitionCurve, BoundaryTra
     axes.set_ylim(0, max(trace.eps[-1] for _, trace in shown))
     axes.locator_params(nbins=5)
     if not any(trace.is_open.any() for _, trace in shown):
-        axes.text(
-            0.5, 0.5, "no instability found", transform=axes.transAxes, ha="center", color=GREY, backgroundcolor="white"
-        )
+        place: dict[str, Any] = {"transform": axes.transAxes, "ha": "center", "zorder": 5}
+        axes.text(0.5, 0.5, "no instability found", color=GREY, backgroundcolor="white", **place)
 
 
 def _variant_handles(layers: Sequence[Layer]) -> list[Line2D | Patch]:
+    """Return the entries column by column: variants in the first row, kinds of line in the second."""
     named = [Patch(color=colour, label=layer.label) for layer, colour in zip(layers, VARIANT_COLOURS, strict=False)]
-    return [
-        *named,
-        Line2D([], [], color="black", lw=1.4, label="Floquet boundary (traced)"),
-        Line2D([], [], color="black", lw=1.4, ls=(0, (4, 2)), label="multiple scales"),
+    lines = [
+        Line2D([], [], color=GREY, lw=LINE_WIDTH + WIDER, label="Floquet boundary (traced)"),
+        Line2D([], [], color="black", lw=0.9, ls=(0, (4, 2)), label="multiple scales"),
     ]
+    return [handle for pair in zip_longest(named, lines) for handle in pair if handle is not None]
 
 
 def new_figure(size: tuple[float, float]) -> Figure:
@@ -229,23 +234,27 @@ def draw_growth(axes: Axes, chart: StabilityChart | None, *, colour_bar: bool = 
         bar.outline.set_visible(False)
 
 
-def draw_traces(axes: Axes, traces: Sequence[BoundaryTrace], colour: str = "black", fill: bool = False) -> None:
+def draw_traces(
+    axes: Axes, traces: Sequence[BoundaryTrace], colour: str = "black", width: float = LINE_WIDTH, fill: bool = False
+) -> None:
     """Draw the edges found by integration as solid lines, the region between them shaded on request."""
     for trace in traces:
-        axes.plot(trace.lower, trace.eps, color=colour, lw=1.4, zorder=3)
-        axes.plot(trace.upper, trace.eps, color=colour, lw=1.4, zorder=3)
+        axes.plot(trace.lower, trace.eps, color=colour, lw=width, zorder=3)
+        axes.plot(trace.upper, trace.eps, color=colour, lw=width, zorder=3)
         if fill:
             axes.fill_betweenx(
                 trace.eps, trace.lower, trace.upper, where=trace.is_open, color=colour, alpha=0.15, lw=0, zorder=1
             )
 
 
-def draw_curves(axes: Axes, curves: Sequence[TransitionCurve], eps_max: float, colour: str = ORANGE) -> None:
+def draw_curves(
+    axes: Axes, curves: Sequence[TransitionCurve], eps_max: float, colour: str = ORANGE, width: float = LINE_WIDTH
+) -> None:
     """Draw the analytic transition curves as dashed lines."""
     for curve in curves:
         lower, upper = curve.edges(_curve_eps(curve, eps_max))
         for edge in (lower, upper):
-            axes.plot(edge, _curve_eps(curve, eps_max), color=colour, lw=1.4, ls=(0, (4, 2)), zorder=4)
+            axes.plot(edge, _curve_eps(curve, eps_max), color=colour, lw=width, ls=(0, (4, 2)), zorder=4)
 
 
 def _curve_eps(curve: TransitionCurve, eps_max: float) -> FloatArray:
@@ -256,12 +265,15 @@ def _curve_eps(curve: TransitionCurve, eps_max: float) -> FloatArray:
 
 
 def label_regions(axes: Axes, curves: Sequence[TransitionCurve], eps_max: float) -> None:
-    """Write each region's resonance above the upper edge, spread so that no two labels touch."""
+    """Write the resonance above the upper edge, of as many regions as there is room for: the widest ones."""
     low, high = axes.get_xlim()
-    seen = sorted((curve for curve in curves if low < curve.centre < high), key=lambda curve: curve.centre)
     width_points = axes.get_window_extent().width * 72 / axes.figure.dpi
+    inside = [curve for curve in curves if low < curve.centre < high]
+    spacing = CHARACTER_POINTS * max((len(curve.label) for curve in inside), default=0) + LABEL_GAP_POINTS
+    inside.sort(key=lambda curve: -float(np.nan_to_num(np.subtract(*reversed(curve.edges(eps_max))))))
+    seen = sorted(inside[: int(width_points / spacing)], key=lambda curve: curve.centre)
     wanted = [(curve.centre - low) / (high - low) * width_points for curve in seen]
-    for curve, place in zip(seen, _spread(wanted, LABEL_SPACING_POINTS), strict=True):
+    for curve, place in zip(seen, _spread(wanted, spacing, width_points), strict=True):
         axes.annotate(
             curve.label,
             xy=(curve.centre, eps_max),
@@ -281,8 +293,8 @@ def _is_visible(axes: Axes, curve: TransitionCurve, eps_max: float) -> bool:
     return bool(upper - lower > (high - low) / 400)
 
 
-def _spread(wanted: Sequence[float], spacing: float) -> list[float]:
-    """Move sorted positions apart to at least ``spacing``, each cluster about its mean (one pass of pooling)."""
+def _spread(wanted: Sequence[float], spacing: float, room: float) -> list[float]:
+    """Move sorted positions apart to at least ``spacing``, each cluster about its mean, all between 0 and ``room``."""
     clusters: list[list[float]] = []
     for position in wanted:
         clusters.append([position])
@@ -292,11 +304,13 @@ def _spread(wanted: Sequence[float], spacing: float) -> list[float]:
             if np.mean(right) - np.mean(left) >= reach:
                 break
             clusters[-2:] = [left + right]
-    return [
+    apart = [
         float(np.mean(cluster)) + spacing * (index - (len(cluster) - 1) / 2)
         for cluster in clusters
         for index in range(len(cluster))
     ]
+    last = len(apart) - 1
+    return [min(max(place, i * spacing), room - (last - i) * spacing) for i, place in enumerate(apart)]
 
 
 def legend_handles(chart: StabilityChart | None, traced: bool) -> list[Line2D | Patch]:
@@ -307,6 +321,6 @@ def legend_handles(chart: StabilityChart | None, traced: bool) -> list[Line2D | 
         if (chart.kind == Kind.UNDECIDED).any():
             handles.append(Patch(color=mpl.colormaps["Greys"](0.5), label="undecided"))
     if traced:
-        handles.append(Line2D([], [], color="black", lw=1.4, label="Floquet boundary (traced)"))
-    handles.append(Line2D([], [], color=ORANGE, lw=1.4, ls=(0, (4, 2)), label="multiple scales"))
+        handles.append(Line2D([], [], color="black", lw=LINE_WIDTH, label="Floquet boundary (traced)"))
+    handles.append(Line2D([], [], color=ORANGE, lw=LINE_WIDTH, ls=(0, (4, 2)), label="multiple scales"))
     return handles

@@ -19,6 +19,8 @@ from perturb import TransitionCurve, transition_curves
 
 # A traced boundary is smooth: this many points along eps draw it without corners.
 TRACE_POINTS = 12
+# Regions that start beyond the window by this part may reach into it.
+MARGIN = 0.1
 # --quick: enough to see that the line runs from plate to picture.
 QUICK_POINTS = (96, 48)
 QUICK_TRACE_POINTS = 5
@@ -35,7 +37,7 @@ class VariantStudy:
     chart : StabilityChart
         The wide chart.
     curves : list of TransitionCurve
-        Every analytic region in the window.
+        Every analytic region that starts in the window or next to it.
     panels : list of (TransitionCurve, BoundaryTrace)
         Theory and integration for the regions that the case looks at closely, in the case's order.
     verdicts : list of RegionAgreement
@@ -80,7 +82,7 @@ class CaseStudy:
         pictures = {"regions": draw(layers, title=self.case.title)}
         for index, variant in enumerate(self.variants, start=1):
             name = "chart" if len(self.variants) == 1 else f"chart-{index}"
-            title = ", ".join(filter(None, (self.case.title, variant.label)))
+            title = "\n".join(filter(None, (self.case.title, variant.label)))
             traces = [trace for _, trace in variant.panels]
             pictures[name] = overlay(variant.chart, variant.curves, traces, title=title)
         return pictures
@@ -125,7 +127,7 @@ def _run_variant(
         n_jobs=n_jobs,
         progress=progress,
     )
-    curves = transition_curves(family, window)
+    curves = transition_curves(family, ((1 - MARGIN) * window[0], (1 + MARGIN) * window[1]))
     verdicts = agreement(
         family,
         window,
