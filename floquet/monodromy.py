@@ -162,15 +162,16 @@ def period_map(block: Reduction, Omega: float, eps: float, tolerance: float) -> 
         defect = matrix @ probes - propagate(block, Omega, eps, 2 * steps, FINEST, probes)
         halves = np.stack(np.split(defect, 2, axis=1)) / np.sqrt(share)
         # what both integrations have in common: rounding of the coefficients, and what the reduction dropped
-        common = np.finfo(float).eps * np.sqrt(steps) + 2 * np.pi / Omega * block.neglected
+        common = 2 * np.pi / Omega * (np.finfo(float).eps * block.rate + block.neglected)
         norm = float(np.linalg.norm(matrix, 2))
-        error = np.linalg.norm(halves) + common * norm
+        measured = np.linalg.norm(halves)
+        error = measured + common * norm
         in_q = np.linalg.norm(block.to_q @ halves, axis=(1, 2)) @ receives
         in_q += common * np.linalg.norm(block.to_q @ matrix @ block.from_q, 2)
         if error > 0.5 * best.error:  # rounding rules: shorter steps do not help
             break
         best = PeriodMap(matrix, float(error), float(in_q))
-        if error <= tolerance * max(1.0, norm):
+        if measured <= max(tolerance * max(1.0, norm), common * norm):
             break
         steps *= 2
     return best

@@ -146,7 +146,8 @@ def _reduce(matrices: FloatArray, basis: FloatArray, slowest: float) -> Reductio
     symmetric = bool((np.abs(skew).max(axis=(1, 2)) <= ROUNDING * np.abs(forces).max(axis=(1, 2))).all())
     K = forces[0] - skew[0]
     _, modes = sla.eigh(K, M)
-    # Rayleigh quotients: eigh gives every eigenvalue to rounding of the largest, these are good to their own rounding
+    # Rayleigh quotients: eigh gives every eigenvalue to rounding of the largest; for a graded stiffness, as of a Ritz
+    # basis, these are good to their own rounding
     k = np.einsum("ij,ij->j", modes, K @ modes) / np.einsum("ij,ij->j", modes, M @ modes)
     damping = modes.T @ (G + C) @ modes
     asymmetry = modes.T @ skew @ modes

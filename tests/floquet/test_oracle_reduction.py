@@ -133,14 +133,18 @@ def test_reversible_systems_are_reciprocal():
 
 
 def test_frequencies_are_good_to_their_own_rounding():
-    # Hilbert-like stiffness, eigenvalues over ten orders; the small ones from the inverse, which is known exactly
+    # a graded stiffness, as of a Ritz basis: the smallest eigenvalue is the reciprocal of the largest of the inverse
     n = 6
-    exact_inverse = sla.invhilbert(n)
-    smallest = 1 / np.linalg.eigvalsh(exact_inverse)[-1]
-    system = PeriodicSystem(np.eye(n), np.zeros((n, n)), np.zeros((n, n)), sla.hilbert(n), np.eye(n)[None])
-    blocks = reduce_system(system, 0.0, 1e-9)
+    core = np.eye(n) + 0.3 * np.ones((n, n))
+    grade = 10.0 ** np.arange(n)
+    smallest = 1 / np.linalg.eigvalsh(np.linalg.inv(core) / np.outer(grade, grade))[-1]
+    system = PeriodicSystem(
+        np.eye(n), np.zeros((n, n)), np.zeros((n, n)), core * np.outer(grade, grade), np.eye(n)[None]
+    )
+    blocks = reduce_system(system, 0.0, 1.0)
     lowest = min((block.equations.w * block.equations.k).min() for block in blocks)
-    assert lowest == pytest.approx(smallest, rel=1e-9)
+    assert lowest == pytest.approx(smallest, rel=1e-14)
+    assert np.linalg.eigvalsh(system.stiffness)[0] != pytest.approx(smallest, rel=1e-12)  # what it would be otherwise
 
 
 def test_modulation_of_mathieu():
