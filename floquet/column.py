@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquet.coordinates import Block, blocks, equations
-from floquet.doubling import TOLERANCE
+from floquet.doubling import TOLERANCE, Scale
 from floquet.lanes import WIDTH
 from floquet.sampling import Sampler, Workspace
 from floquet.spectra import eigenvalues
@@ -26,8 +26,8 @@ from periodic.checks import FloatArray
 LEAST_STEPS = 16.0
 MOST_STEPS = 2.0**16  # more only collect rounding errors
 TARGET = 1e-10  # for the error E of `floquet.verdict`
-# The error is measured at two amplitudes and with all multipliers; elsewhere it may be a little larger.
-SAFETY = 2.0
+# The error is measured at two amplitudes, and with all multipliers; elsewhere it may be a little larger.
+SAFETY = 4.0
 UNIT = float(np.finfo(float).eps)
 
 
@@ -88,12 +88,12 @@ def _column(
     """Return the dominant multipliers of a block at one frequency, and the errors E."""
     L = log2_steps(block, Omega, eps, steps_a_cycle)
     sampler = Sampler(block, equations(block, least_frequency(Omega)), Omega, work)
-    mu, exponents = multipliers(sampler, eps, L, TOLERANCE)
+    mu, (exponents, losses) = multipliers(sampler, eps, L, TOLERANCE)
     tested = _tested(eps)
     measured = _discrepancies(sampler, mu[tested], exponents[tested], eps[tested], L)
     # exact at eps = 0, and the error grows at least like eps^2; the straight line is on the safe side
     slope = (measured / np.maximum(np.abs(eps[tested]), UNIT)).max()
-    E = SAFETY * np.maximum(slope * np.abs(eps), 2 * UNIT * 2.0**L)
+    E = SAFETY * losses * np.maximum(slope * np.abs(eps), UNIT * 2.0**L)
     if block.symplectic:
         return dominant_symplectic(mu, exponents), E
     return dominant(mu, exponents, block.reversible), E
@@ -105,7 +105,8 @@ def _needed_steps(block: Block, Omega: float, eps: FloatArray, work: Workspace) 
     steps = LEAST_STEPS
     while True:
         L = log2_steps(block, Omega, eps, steps)
-        error = _discrepancies(sampler, *multipliers(sampler, some, L, TOLERANCE), some, L).max()
+        mu, scale = multipliers(sampler, some, L, TOLERANCE)
+        error = _discrepancies(sampler, mu, scale.exponents, some, L).max()
         taken = 2.0**L * Omega / fastest(block, Omega, eps)
         steps = min(max(taken * (error / TARGET) ** 0.25, LEAST_STEPS), MOST_STEPS)  # fourth order
         if steps <= 4 * taken:
@@ -128,14 +129,14 @@ def log2_steps(block: Block, Omega: float, eps: FloatArray, steps_a_cycle: float
     return math.ceil(math.log2(steps_a_cycle * fastest(block, Omega, eps) / Omega))
 
 
-def multipliers(sampler: Sampler, eps: FloatArray, L: int, tolerance: float) -> tuple[ComplexArray, FloatArray]:
-    """Return mu (k, N), or mu + 1/mu (k, n) of a symplectic block, as powers of two (k,) and what they multiply."""
+def multipliers(sampler: Sampler, eps: FloatArray, L: int, tolerance: float) -> tuple[ComplexArray, Scale]:
+    """Return mu (k, N), or mu + 1/mu (k, n) of a symplectic block, and their scale."""
     solve = symplectic_eigenvalues if sampler.block.symplectic else eigenvalues
-    parts, exponents = [], []
+    parts, scales = [], []
     for panel in sampler.panels(eps, L, tolerance):
         parts.append(solve(panel.samples, lane_weights(panel.weights))[: len(panel.weights)])
-        exponents.append(panel.exponents)
-    return np.concatenate(parts), np.concatenate(exponents)
+        scales.append(panel.scale)
+    return np.concatenate(parts), Scale(*(np.concatenate(part) for part in zip(*scales, strict=True)))
 
 
 def lane_weights(weights: FloatArray) -> FloatArray:
@@ -152,7 +153,7 @@ def _tested(eps: FloatArray) -> list[int]:
 
 def _discrepancies(sampler: Sampler, mu: ComplexArray, exponents: FloatArray, eps: FloatArray, L: int) -> FloatArray:
     """Return E at the amplitudes ``eps``, whose multipliers from 2^L steps are given as by `multipliers`."""
-    finer, finer_exponents = multipliers(sampler, eps, L + 1, TOLERANCE / 10)
+    finer, (finer_exponents, _) = multipliers(sampler, eps, L + 1, TOLERANCE / 10)
     finer = finer * 2.0 ** np.clip(finer_exponents - exponents, -1000, 1000)[:, None]
     if sampler.block.symplectic and not exponents.any():  # beyond the range of exponents mu + 1/mu is mu
         mu, finer = reciprocal_pairs(mu), reciprocal_pairs(finer)

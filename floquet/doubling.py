@@ -50,6 +50,22 @@ class Schedule(NamedTuple):
     present: NDArray[np.bool_]
 
 
+class Scale(NamedTuple):
+    """What belongs to samples besides their entries, one number for each amplitude or a common one.
+
+    The samples are to be multiplied by 2^exponents; ``losses`` are the factors by which cancellation, of growth in
+    one part of the period against decay in another, has magnified rounding errors.
+    """
+
+    exponents: FloatArray
+    losses: FloatArray
+
+
+def unit_scale(amplitudes: int) -> Scale:
+    """Return the scale of samples as they are."""
+    return Scale(np.zeros(amplitudes), np.ones(amplitudes))
+
+
 def quantised(x: float) -> float:
     """Return the next fourth of a power of two above ``x``, so that neighbouring columns share their schedule."""
     return 2.0 ** (math.ceil(4 * math.log2(x)) / 4) if x > 0 else 0.0
@@ -100,13 +116,13 @@ def doublings(
     nodes: NDArray[np.int64],
     weights: FloatArray,
     present: NDArray[np.bool_],
-    exponents: FloatArray,
+    scale: Scale,
     work: tuple[FloatArray, FloatArray, FloatArray],
 ) -> FloatArray:
     """Return the samples of P_L, given those of P_0, shape (phases[0], m, N, N), and a `Schedule`.
 
-    What is returned is to be multiplied by 2^exponents; there is one exponent for each amplitude, or a common one. P_0
-    may be in ``work[0]``; each array of ``work`` has room for what is written to it.
+    ``scale``, that of P_0, is changed to that of P_L. P_0 may be in ``work[0]``; each array of ``work`` has room for
+    what is written to it.
     """
     N, used = P.shape[2], 0
     for level in range(present.shape[0]):
@@ -121,16 +137,22 @@ def doublings(
         used = ends[2]
         target = work[1] if level % 2 == 0 else work[0]
         result = target[: q * k * N * N].reshape(q, k, N, N)
-        double(P, to_nodes, first, second, result, work[2])
+        double(P, to_nodes, first, second, result, scale, work[2])
         P = result
-        exponents *= 2.0
-        rescale(P, exponents)
+        scale.exponents[:] *= 2.0
+        rescale(P, scale)
     return P
 
 
 @njit(cache=True, nogil=True)
 def double(
-    P: FloatArray, to_nodes: FloatArray, first: FloatArray, second: FloatArray, result: FloatArray, scratch: FloatArray
+    P: FloatArray,
+    to_nodes: FloatArray,
+    first: FloatArray,
+    second: FloatArray,
+    result: FloatArray,
+    scale: Scale,
+    scratch: FloatArray,
 ) -> None:
     """Write P_{l+1} (p', m', N, N) from P_l (p, m, N, N), by weights as in a `Schedule`, empty if missing there.
 
@@ -157,21 +179,33 @@ def double(
     for i in range(result.shape[0]):
         for a in range(m):
             np.dot(end[stride * i + offset, a], begin[stride * i, a], result[i, a])
+    if second.size == 0:
+        note_cancellation(end[1::2], begin[0::2], result, scale)
 
 
 @njit(cache=True, nogil=True)
-def rescale(P: FloatArray, exponents: FloatArray) -> None:
-    """Take powers of two out of P (p, m, N, N) where it is far from one, and add them to ``exponents``.
-
-    One exponent for each amplitude, (m,), or a common one, (1,), for those that will be interpolated between.
-    """
-    p, m, entries = P.shape[0], exponents.size, P.size // (P.shape[0] * exponents.size)
-    parts = P.reshape(p, m, entries)
-    for i in range(m):
+def rescale(P: FloatArray, scale: Scale) -> None:
+    """Take powers of two out of P (p, m, N, N) where it is far from one, and add them to the exponents."""
+    exponents = scale.exponents
+    p, m = P.shape[0], exponents.size
+    parts = P.reshape(p, m, P.size // (p * m))
+    for a in range(m):
         square = 0.0
-        for phase in range(p):
-            square += np.dot(parts[phase, i], parts[phase, i])
+        for i in range(p):
+            square += np.dot(parts[i, a], parts[i, a])
         if square > LARGE**2 or 0.0 < square < LARGE**-2:
             exponent = np.floor(0.5 * np.log2(square))
-            parts[:, i] *= 2.0**-exponent
-            exponents[i] += exponent
+            parts[:, a] *= 2.0**-exponent
+            exponents[a] += exponent
+
+
+@njit(cache=True, nogil=True)
+def note_cancellation(A: FloatArray, B: FloatArray, AB: FloatArray, scale: Scale) -> None:
+    """Raise the losses to |A| |B| / |A B|, all (p, m, N, N), where that is larger; 1 for rotations."""
+    losses = scale.losses
+    p, m, N = AB.shape[0], AB.shape[1], AB.shape[2]
+    for i in range(p):
+        for a in range(m):
+            sizes = np.linalg.norm(A[i, a]) * np.linalg.norm(B[i, a]) / np.sqrt(N)
+            k = a * losses.size // m
+            losses[k] = max(losses[k], sizes / max(np.linalg.norm(AB[i, a]), 1.0 / LARGE))

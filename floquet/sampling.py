@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from floquet.coordinates import Block, Equations
-from floquet.doubling import Schedule, doublings, quantised, rescale, schedule
+from floquet.doubling import Scale, Schedule, doublings, note_cancellation, quantised, rescale, schedule, unit_scale
 from floquet.interpolation import chebyshev_points, chebyshev_weights, trigonometric_weights
 from floquet.kernels import single_steps
 from floquet.lanes import WIDTH
@@ -24,15 +24,12 @@ MOST_FACTOR = 100.0
 
 
 class Panel(NamedTuple):
-    """Monodromy matrices at the amplitudes eps[cells]: 2^exponents * (weights @ samples).
-
-    ``samples`` (m, N, N), ``weights`` (cells, m), ``exponents`` (cells,).
-    """
+    """Monodromy matrices at the amplitudes eps[cells]: weights (cells, m) @ samples (m, N, N), at the given scale."""
 
     cells: slice
     samples: FloatArray
     weights: FloatArray
-    exponents: FloatArray
+    scale: Scale
 
 
 class Workspace:
@@ -78,13 +75,13 @@ class Sampler:
         plan = self._plan(eps, radius, L, tolerance)
         if plan.nodes[-1] >= len(eps) or (plan.phases * plan.nodes).max() * self.size**2 > MOST_ENTRIES:
             return None
-        exponents = np.zeros(1)
-        samples = self._sample(plan, middle + radius * chebyshev_points(plan.nodes[0]), L, L, exponents)[0]
+        scale = unit_scale(1)
+        samples = self._sample(plan, middle + radius * chebyshev_points(plan.nodes[0]), L, L, scale)[0]
         sizes = np.linalg.norm(samples, axis=(1, 2))
         if not sizes.max() <= MOST_CONTRAST * sizes.min():
             return None
         weights = chebyshev_weights(len(samples), (eps - middle) / radius)
-        return Panel(slice(0), samples, weights, np.full(len(eps), exponents[0]))
+        return Panel(slice(0), samples, weights, Scale(*(np.repeat(part, len(eps)) for part in scale)))
 
     def _direct(self, eps: FloatArray, L: int, tolerance: float) -> Panel | None:
         """Return a panel with samples at the amplitudes themselves; None if they are several and need too much
@@ -96,10 +93,11 @@ class Sampler:
             stop += 1
         if stop < L and len(eps) > 1:
             return None
-        exponents = np.zeros(len(eps))
-        P = self._sample(plan, eps, L, stop, exponents)
-        samples = P[0] if stop == L else self._ordered_product(P, 2 ** (L - stop), growth, exponents)
-        return Panel(slice(0), samples, np.eye(len(eps)), exponents)
+        scale = unit_scale(len(eps))
+        P = self._sample(plan, eps, L, stop, scale)
+        if stop < L:
+            P, scale = self._ordered_product(P, 2 ** (L - stop), growth, scale)
+        return Panel(slice(0), P[0], np.eye(len(eps)), scale)
 
     def _fits(self, matrices: int, growth: float) -> bool:
         return matrices * self.size**2 <= MOST_ENTRIES and growth <= MOST_FACTOR
@@ -109,26 +107,25 @@ class Sampler:
         x_phase = tuple(quantised(x) for x in np.abs(eps).max() * growth)
         return schedule(L, x_phase, quantised(radius * growth.sum()), tolerance)
 
-    def _sample(self, plan: Schedule, eps: FloatArray, L: int, levels: int, exponents: FloatArray) -> FloatArray:
+    def _sample(self, plan: Schedule, eps: FloatArray, L: int, levels: int, scale: Scale) -> FloatArray:
         """Return the samples of P_levels for a schedule that begins at the amplitudes ``eps``."""
-        m, size = len(eps) // plan.nodes[0] * plan.nodes, self.size**2
-        samples = int((plan.phases * m).max()) * size
-        scratch = int(((plan.phases[:-1] + 2 * plan.phases[1:]) * m[1:]).max(initial=0)) * size
+        phases, m, size = plan.phases[: levels + 1], len(eps) // plan.nodes[0] * plan.nodes[: levels + 1], self.size**2
+        samples = int((phases * m).max()) * size
+        scratch = int(((phases[:-1] + 2 * phases[1:]) * m[1:]).max(initial=0)) * size
         work = self.work.arrays(samples, samples, scratch)
-        P = work[0][: plan.phases[0] * len(eps) * size].reshape(plan.phases[0], len(eps), self.size, self.size)
+        P = work[0][: phases[0] * len(eps) * size].reshape(phases[0], len(eps), self.size, self.size)
         A, left, right, _ = self.equations
         single_steps(A, self.block.Fc, self.block.Fs, left, right, self.period / 2**L, eps, P)
-        return doublings(P, plan.phases, plan.nodes, plan.weights, plan.present[:levels], exponents, work)
+        return doublings(P, plan.phases, plan.nodes, plan.weights, plan.present[:levels], scale, work)
 
-    def _ordered_product(self, P: FloatArray, B: int, growth: float, exponents: FloatArray) -> FloatArray:
-        """Return the product of the B factors P(2 pi b / B), b = 0 ... B - 1, of one amplitude, a part of them at a
-        time."""
+    def _ordered_product(self, P: FloatArray, B: int, growth: float, scale: Scale) -> tuple[FloatArray, Scale]:
+        """Return the product of the B factors P(2 pi b / B), b = 0 ... B - 1, of one amplitude, a part at a time."""
         p, halvings = P.shape[0], 0
         while 2**halvings < B and self._fits(2 ** (halvings + 1), 2 ** (halvings + 1) * growth / B):
             halvings += 1
         some, missing = 2 ** np.arange(halvings, -1, -1), np.zeros((halvings, 3), bool)
-        product, total = np.eye(self.size)[None, None], np.zeros(1)
         work = Workspace().arrays(2**halvings * self.size**2, 2**halvings * self.size**2, 0)
+        product, total = np.eye(self.size)[None, None], unit_scale(1)
         for start in range(0, B, 2**halvings):
             phases = np.arange(start, start + 2**halvings)
             if p < B:
@@ -136,9 +133,11 @@ class Sampler:
                 factors = (weights @ P.reshape(p, -1)).reshape(-1, 1, self.size, self.size)
             else:
                 factors = P[phases]
-            part = exponents.copy()
-            product = doublings(factors, some, some, np.empty(0), missing, part, work) @ product
-            total += part
+            part = Scale(scale.exponents.copy(), scale.losses)
+            part_product = doublings(factors, some, some, np.empty(0), missing, part, work)
+            before, product = product, part_product @ product
+            note_cancellation(part_product, before, product, part)
+            total.exponents[:] += part.exponents
+            total.losses[:] = np.maximum(total.losses, part.losses)
             rescale(product, total)
-        exponents[:] = total
-        return product[0]
+        return product, total
