@@ -242,7 +242,7 @@ def _verdict(
         return False, f"only {side} finds it open at eps = {rungs}"
     if not predicted.all():
         return True, "open on the same rungs by theory and by integration"
-    at_floor = (gap <= 10 * resolution).all(axis=1)
+    at_floor = np.asarray((gap <= 10 * resolution).all(axis=1))
     if (at_floor | (fitted >= wanted - ORDER_TOLERANCE)).all():
         orders = " and ".join("at rounding" if flat else f"{m:.2f}" for flat, m in zip(at_floor, fitted, strict=True))
         return True, f"gap of order {orders} in eps (expected {wanted})"
