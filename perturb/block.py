@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from periodic.checks import FloatArray
-from perturb.expansion import EffectiveBlock
+from perturb.expansion import TINY, EffectiveBlock
 
 # Samples of Omega across the window in which the pair can be unstable. Intervals wider than the spacing are seen
 # directly, narrower ones because the exponents of the pair change places in them.
-SAMPLES = 121
+SAMPLES = 81
 
 # Where two exponents of an undamped block coalesce, their real parts are exact to the square root of rounding only.
 COALESCENCE = 1e-7
@@ -23,9 +23,6 @@ BISECTIONS = 48
 # A growing solution belongs to the pair if the squared moduli of both its states are at least this part of that of
 # every other state. Where regions merge, a solution may belong to several pairs.
 SHARE = 0.5
-
-# Stands for zero in a quotient.
-TINY = np.finfo(float).tiny
 
 
 class Exponents(NamedTuple):

