@@ -138,18 +138,29 @@ def test_monodromy_under_congruence_contains_exact_solution() -> None:
         assert contains(found, to_plain.inv() * exact_whittaker_hill(0.5, 0.25, 0.125, "cosine") * to_plain)
 
 
-@pytest.mark.parametrize("steps", [1, 3, 8])
 @pytest.mark.parametrize("order", [4, 9, 20])
-@pytest.mark.parametrize("radius", [1.5, 4.0])
+@pytest.mark.parametrize(("kappa", "steps", "radius"), [(0.5, 1, 1.5), (0.5, 3, 4.0), (0.5, 8, 1.5), (2.0**-7, 2, 8.0)])
 def test_remainder_bounds_what_low_orders_leave_out(
-    monkeypatch: pytest.MonkeyPatch, steps: int, order: int, radius: float
+    monkeypatch: pytest.MonkeyPatch, kappa: float, steps: int, radius: float, order: int
 ) -> None:
+    """In the last case the series of the excitation, not that of the motion, is what is cut."""
     monkeypatch.setattr(enclosure, "_plan", lambda equation, bits: (steps, order, arb(radius)))
-    found = certified_monodromy(whittaker_hill(0.5, 0.25, 0.125), OMEGA, 1.0)
+    found = certified_monodromy(whittaker_hill(kappa, 0.25 * kappa), OMEGA, 1.0)
     with ctx.workprec(300):
-        exact = exact_whittaker_hill(0.5, 0.25, 0.125, "cosine")
+        exact = exact_whittaker_hill(kappa, 0.25 * kappa, 0.0, "cosine")
         assert contains(found, exact)
         assert not contains(found.mid(), exact)
+
+
+@pytest.mark.parametrize("order", [5, 20, 60])
+def test_remainder_is_sharp(order: int) -> None:
+    """For x'' = x the flow of a step h is its own majorant, e^h, and the best radius overestimates by sqrt(2 pi N)."""
+    with ctx.workprec(128):
+        equation = enclosure.equation_of_motion(mathieu(-1.0), 4.0, 0.0)._replace(steady=arb(1))
+        h = arb.pi() / 2
+        bound = enclosure._remainder(equation, 1, order, (order + 1) / h)[0, 0].abs_upper()
+        rest = sum((h**k / arb(k).fac() for k in range(order + 1, order + 80)), arb(0))
+        assert 1 < float(bound / rest) < 1.3 * np.sqrt(2 * np.pi * order)
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -284,6 +295,26 @@ def test_a_definite_form_is_found_only_where_there_is_one(monkeypatch: pytest.Mo
         assert certified_growth(mathieu(), Omega, 0.3, max_bits=128).verdict is verdict
 
 
+def disc_spectrum(*discs: tuple[complex, float]) -> certified._Spectrum:
+    centres = [flint.acb(centre.real, centre.imag) for centre, _ in discs]
+    return certified._Spectrum(centres, [arb(radius) for _, radius in discs], flint.acb_mat(0, 0))
+
+
+def test_touching_discs_share_their_multipliers() -> None:
+    """Both of two overlapping discs' multipliers may be in either disc."""
+    lower, upper = certified._largest_modulus(disc_spectrum((2 + 0j, 0.25), (1.5 + 0j, 1.0), (0.75j, 0.125)))
+    assert (float(lower), float(upper)) == (0.625, 2.5)
+    lower, upper = certified._largest_modulus(disc_spectrum((2 + 0j, 0.25), (-1.5 + 0j, 1.0)))
+    assert (float(lower), float(upper)) == (1.75, 2.5)
+
+
+def test_only_a_disc_that_reflects_into_itself_is_on_the_circle() -> None:
+    assert certified._on_unit_circle(disc_spectrum((0.6 + 0.8j, 0.01), (0.6 - 0.8j, 0.01)))
+    assert not certified._on_unit_circle(disc_spectrum((1.1 + 0j, 0.05), (1 / 1.1 + 0j, 0.05)))
+    assert not certified._on_unit_circle(disc_spectrum((0.6 + 0.8j, 0.01), (0.6 + 0.805j, 0.01)))
+    assert not certified._on_unit_circle(disc_spectrum((0.01 + 0j, 0.02), (5.0 + 0j, 0.02)))
+
+
 @pytest.mark.parametrize("phase", ["cosine", "sine"])
 @pytest.mark.parametrize("kappa", [0.25, 0.5, 1.5])
 def test_a_boundary_is_undecided(kappa: float, phase: str) -> None:
@@ -340,21 +371,31 @@ def test_partial_damping() -> None:
     assert certified_growth(system, 3.5, 0.5).lower == pytest.approx(6.63665438745e-4, rel=1e-9)
 
 
-def test_asymmetry_of_one_ulp_takes_the_certificate_away() -> None:
-    K = np.array([[1.0, 0.3], [0.3, 2.0]])
-    crooked = K + np.array([[0.0, np.spacing(0.3)], [0.0, 0.0]])
-    zero, turning = np.zeros((2, 2)), np.array([[0.0, 0.2], [-0.2, 0.0]])
+@pytest.mark.parametrize("turning", [0.0, 0.2])
+@pytest.mark.parametrize("asymmetry", [0.0, 1e-60, 1e-30, np.spacing(0.3)])
+def test_asymmetry_takes_the_certificate_away(turning: float, asymmetry: float) -> None:
+    """Neither symmetric nor, for the sine or for G, reversible: whatever holds nearly does not hold."""
+    K, G = np.array([[1.0, asymmetry], [0.0, 2.0]]), np.array([[0.0, turning], [-turning, 0.0]])
+    F = np.array([[1.0, 0.7], [0.7, 0.5]])
+    sine = [0.0 * F, np.diag([0.3, 0.0])]
+    for excitation in ([[F, F], None], [[F, F], sine]):
+        found = certified_growth(PeriodicSystem(np.eye(2), G, np.zeros((2, 2)), K, *excitation), 5.0, 0.1)
+        # without G and sines the system runs backwards as it runs forwards, symmetric or not
+        if asymmetry == 0 or (turning == 0 and excitation[1] is None):
+            assert found.verdict is Verdict.STABLE
+        else:
+            assert found.verdict is Verdict.UNSTABLE
+            assert 0 < found.lower <= found.upper < asymmetry
 
-    def growth(gyroscopic: FloatArray, stiffness: FloatArray) -> CertifiedGrowth:
-        return certified_growth(PeriodicSystem(np.eye(2), gyroscopic, zero, stiffness, [np.diag([1.0, 0.5])]), 5.0, 0.1)
 
-    assert growth(turning, K).verdict is Verdict.STABLE
-    found = growth(turning, crooked)
-    assert found.verdict is not Verdict.STABLE
-    assert "symmetric" in found.reason or found.verdict is Verdict.UNSTABLE
-    assert found.upper < 1e-15
-    # without G the system runs backwards as it runs forwards, symmetric or not
-    assert growth(zero, crooked).verdict is Verdict.STABLE
+def test_undecided_for_want_of_symmetry_says_so() -> None:
+    """An asymmetry that not even the highest precision sees."""
+    G = np.array([[0.0, 0.2], [-0.2, 0.0]])
+    system = PeriodicSystem(np.eye(2), G, np.zeros((2, 2)), [[1.0, 1e-300], [0.0, 2.0]], [np.eye(2)])
+    found = certified_growth(system, 5.0, 0.1)
+    assert found.verdict is Verdict.UNDECIDED
+    assert "symmetric" in found.reason
+    assert found.upper < 1e-100
 
 
 @pytest.mark.parametrize("seed", range(4))
