@@ -17,8 +17,10 @@ SAMPLES = 81
 # Where two exponents of an undamped block coalesce, their real parts are exact to the square root of rounding only.
 COALESCENCE = 1e-7
 
-# Bisections that take the spacing of the samples down to rounding.
+# Bisections that take the spacing of the samples down to rounding, and to the width of the narrowest region that
+# `COALESCENCE` lets appear.
 BISECTIONS = 48
+EXCHANGE_BISECTIONS = 24
 
 # A growing solution belongs to the pair if the squared moduli of both its states are at least this part of that of
 # every other state. Where regions merge, a solution may belong to several pairs.
@@ -50,6 +52,8 @@ def block_intervals(block: EffectiveBlock, eps: FloatArray) -> tuple[FloatArray,
         NaN if there is none; infinite where it reaches the end of the window in which the pair can be in resonance.
         Of several intervals the one in which the pair has the largest share.
     """
+    if not len(eps):
+        return eps, eps
     strength = sum(np.abs(eps[:, None, None]) ** n * np.abs(power) for n, power in enumerate(block.powers))
     reach = np.sum(strength, axis=-1).max(axis=-1)  # no exponent moves further than this (Gershgorin)
     threshold = COALESCENCE * reach * (np.diagonal(block.powers[0]).real == 0).any()
@@ -77,18 +81,22 @@ def _with_exchanges(
 ) -> tuple[FloatArray, Exponents]:
     """Return the samples with those points added at which the exponents of the pair change places and one grows."""
     row, left = np.nonzero(at.above[:, :-1] != at.above[:, 1:])
-    low, high, found = x[row, left], x[row, left + 1], np.full(len(row), np.nan)
-    for _ in range(BISECTIONS if len(row) else 0):
+    low, high, above = x[row, left], x[row, left + 1], at.above[row, left]
+    found: list[list[float]] = [[] for _ in eps]
+    for _ in range(EXCHANGE_BISECTIONS):
+        if not len(row):
+            break
         middle = 0.5 * (low + high)
         between = _exponents(block, middle, eps[row], threshold[row])
-        found = np.where(between.share >= SHARE, middle, found)
-        same = between.above == at.above[row, left]
+        hit = between.share >= SHARE
+        for k, value in zip(row[hit], middle[hit], strict=True):
+            found[k].append(value)
+        same = between.above == above
         low, high = np.where(same, middle, low), np.where(same, high, middle)
-    row, found = row[~np.isnan(found)], found[~np.isnan(found)]
-    most = np.bincount(row, minlength=len(eps)).max(initial=0)
-    added = np.repeat(x[:, :1], most, axis=1)  # rows with fewer such points repeat their first sample
-    for k in range(len(eps)):
-        added[k, : (row == k).sum()] = found[row == k]
+        row, low, high, above = row[~hit], low[~hit], high[~hit], above[~hit]
+    added = np.repeat(x[:, :1], max(map(len, found)), axis=1)  # rows with fewer such points repeat their first sample
+    for k, values in enumerate(found):
+        added[k, : len(values)] = values
     extra = _exponents(block, added, eps[:, None], threshold[:, None])
     x = np.concatenate([x, added], axis=1)
     order = np.argsort(x, axis=1, kind="stable")
