@@ -35,9 +35,10 @@ def test_names(near, expected):
 
 
 def test_low_order_is_preferred_to_near():
-    # 2 omega_2 / 2 = 1.9 is nearer to 1.94 than 2 omega_1 = 2, but much narrower
-    assert name(coupled_mathieu("sum", (1.0, 1.9)), 1.94) == (1, 1, 1, "sum")
-    assert name(coupled_mathieu("sum", (1.0, 1.9)), 1.9) == (2, 2, 2, "sum")
+    # 2 omega_2 / 2 = 1.95 is nearer to 1.96 than 2 omega_1 = 2, but much narrower; asked for exactly it is found
+    system = coupled_mathieu("sum", (1.0, 1.95))
+    assert name(system, 1.96) == (1, 1, 1, "sum")
+    assert name(system, 1.95) == (2, 2, 2, "sum")
 
 
 def test_sums_are_preferred_to_differences():
