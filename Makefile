@@ -2,6 +2,7 @@
 # make test       set up .venv and run every check that fits in ten minutes
 # make test-full  the slow checks as well
 # make benchmark  the chart engine against its peers, as ratios
+# make docs       the documentation site, in site/; open site/index.html
 
 PYTHON ?= python3
 BIN := .venv/bin
@@ -14,7 +15,7 @@ export OPENBLAS_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: validate test test-full benchmark lint clean
+.PHONY: validate test test-full benchmark docs lint clean
 .DELETE_ON_ERROR:
 
 validate: .venv/.ready-run
@@ -36,6 +37,9 @@ lint: .venv/.ready-test
 benchmark: .venv/.ready-bench
 	$(BIN)/python scripts/benchmark.py $(ARGS)
 
+docs: .venv/.ready-docs
+	$(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet docs site $(ARGS)
+
 .venv/bin/python:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "python >= 3.11 is needed; try: make PYTHON=python3.12 $(MAKECMDGOALS)"; exit 1; }
 	$(PYTHON) -m venv .venv
@@ -52,5 +56,9 @@ benchmark: .venv/.ready-bench
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
 	@touch $@ .venv/.ready-run
 
+.venv/.ready-docs: pyproject.toml | .venv/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
+	@touch $@ .venv/.ready-run
+
 clean:
-	rm -rf .venv .numba_cache .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis output *.egg-info
+	rm -rf .venv .numba_cache .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis output site *.egg-info

@@ -1,0 +1,72 @@
+"""The documentation does what it says: every python example runs, and prints what the page says it prints."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import re
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+
+# A python block, perhaps excused by a comment before it, perhaps followed by what it prints.
+BLOCK = re.compile(
+    r"^(?P<excuse><!-- not executed: [^>]+ -->\s*)?"
+    r"^```python\n(?P<code>.*?)^```\n"
+    r"(?:\s*^```output\n(?P<output>.*?)^```\n)?",
+    re.MULTILINE | re.DOTALL,
+)
+OPTIONAL = {"flint", "xarray", "bokeh", "distributed"}  # packages of extras that an example may need
+
+
+class Example(NamedTuple):
+    line: int
+    code: str
+    output: str | None
+
+
+def examples(text: str) -> list[Example]:
+    return [
+        Example(text.count("\n", 0, block.start("code")), block["code"], block["output"])
+        for block in BLOCK.finditer(text)
+        if not block["excuse"]
+    ]
+
+
+def run(page: str, text: str) -> None:
+    """Run the examples of a page one after the other in one namespace, and compare what they print."""
+    namespace: dict[str, Any] = {"__name__": page}
+    for example in examples(text):
+        printed = io.StringIO()
+        source = "\n" * example.line + example.code  # so that a traceback names the line of the page
+        with contextlib.redirect_stdout(printed):
+            exec(compile(source, page, "exec"), namespace)
+        if example.output is not None:
+            assert printed.getvalue() == example.output, f"{page}, example at line {example.line}"
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if examples(page.read_text())], ids=lambda page: page.name)
+def test_examples_of_page(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    try:
+        run(page.name, page.read_text())
+    except ImportError as error:
+        missing = error.__cause__ or error.__context__ or error
+        if getattr(missing, "name", None) not in OPTIONAL:
+            raise
+        pytest.skip(str(error))
+
+
+def test_examples_are_found_and_compared() -> None:
+    page = (
+        "text\n```python\nx = 1\n```\n\n<!-- not executed: takes an hour -->\n```python\nx = 2\n```\n"
+        "```python\nprint(x)\n```\n\n```output\n1\n```\n"
+    )
+    assert [example.line for example in examples(page)] == [2, 10]
+    run("page", page)
+    with pytest.raises(AssertionError, match="page, example at line 10"):
+        run("page", page.replace("output\n1", "output\n2"))
