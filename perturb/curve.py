@@ -108,7 +108,8 @@ class TransitionCurve:
         -------
         lower, upper : ndarray, shape of ``eps``
             Omega of the edges, NaN where the region is closed, infinite where the theory finds no end. Without damping
-            a sum-type region whose modes are not coupled has no width: both edges lie at the centre.
+            a sum-type region whose modes are not coupled has no width: both edges lie at the centre. Second order gives
+            regions that have merged their common edges, and NaN to one that a stronger one has absorbed.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""Transition curves by the method of multiple scales: eqs. (24)-(28), first order in eps."""
+"""The transition curves of a system: every resonance of a range, described to first or second order in eps."""
 
 from __future__ import annotations
 
@@ -45,8 +45,9 @@ def transition_curves(
     """Return the transition curves of all resonances with centre in ``Omega_range``.
 
     First order treats every pair of modes (p, q) and harmonic j on its own, as eqs. (24)-(28) do, with the excitation
-    taken at the centre of the region. Second order (`perturb.second_order`) adds frequency shift and curvature, the
-    regions of j = j1 + j2, and the interaction of resonances that lie close together.
+    taken at the centre of the region; only modes of one repeated frequency act together. Second order
+    (`perturb.second_order`) adds frequency shift and curvature, the regions of j = j1 + j2, and the interaction of
+    resonances that lie close together or coincide.
 
     Parameters
     ----------
