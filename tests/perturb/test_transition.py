@@ -151,6 +151,16 @@ def test_coupled_mathieu(kind: str) -> None:
             assert (other.label == label) == np.isfinite(other.tip)
 
 
+def test_damping_widens_a_combination_region_above_a_multiple_of_its_tip() -> None:
+    """From eps = tip (C_p + C_q) / |C_p - C_q| on the damped region is the wider one."""
+    d1, d2 = 0.01, 0.05
+    elastic = curve(coupled_mathieu(), "ω₁+ω₂")
+    damped = curve(coupled_mathieu(damping=(d1, d2)), "ω₁+ω₂")
+    turn = damped.tip * (d1 + d2) / (d2 - d1)
+    for eps, sign in ((0.99 * turn, -1), (1.01 * turn, 1)):
+        assert sign * (np.diff(damped.edges(eps)) - np.diff(elastic.edges(eps))) > 0
+
+
 def test_round_rotor_has_the_combination_region_only() -> None:
     k, s = 4.0, 0.5
     curves = {c.label: c for c in transition_curves(gyroscopic_rotor((k, k), s), EVERYTHING)}
