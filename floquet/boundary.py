@@ -35,6 +35,8 @@ STATION = 0.25
 MOST_TRIALS = 40
 # Part of the fall of f from inside to outside that is a jump, not a zero.
 LARGEST_JUMP = 1e-3
+# Part of a step by which to go aside where another multiplier passes through the pair.
+ASIDE = 0.02
 # An edge is looked for between these multiples of the frequency of resonance.
 LOWEST, HIGHEST = 0.2, 5.0
 
@@ -212,6 +214,13 @@ class _Route:
         value, error = _test(mu[pair], self._lock(), block.reciprocal, relative)
         return Point(Omega, value, error, mu[pair], block.to_q @ right[:, pair])
 
+    def _point_or_aside(self, Omega: float, eps: float, reference: ComplexArray, shift: float) -> Point:
+        """Return the pair at ``Omega``, or at ``Omega + shift`` if another multiplier happens to be too near."""
+        try:
+            return self._point(Omega, eps, reference)
+        except LostError:
+            return self._point(Omega + shift, eps, reference)
+
     def _choose(self, mu: ComplexArray, inside: ComplexArray, T: float) -> list[int]:
         """Return the two multipliers whose eigenvectors have large parts ``inside`` (2, count) the reference.
 
@@ -307,7 +316,7 @@ class _Route:
         try:
             for _ in range(MOST_TRIALS):
                 step = min(max(step, 10 * RESOLUTION * a.Omega), a.Omega / (8 * self.resonance.j))
-                b = self._point(a.Omega + side * step, eps, a.vectors)
+                b = self._point_or_aside(a.Omega + side * step, eps, a.vectors, -side * ASIDE * step)
                 if b.value <= 0:
                     return self._zero(eps, a, b)
                 # where f falls, not much further than to the zero of the secant: beyond may be another region
@@ -323,10 +332,11 @@ class _Route:
     def _zero(self, eps: float, inside: Point, outside: Point) -> float:
         """Return the zero of f between two points."""
         values = {inside.Omega: inside.value, outside.Omega: outside.value}
+        aside = ASIDE * (inside.Omega - outside.Omega)
 
         def value(Omega: float) -> float:
             if Omega not in values:
-                values[Omega] = self._point(Omega, eps, inside.vectors).value
+                values[Omega] = self._point_or_aside(Omega, eps, inside.vectors, aside).value
             return values[Omega]
 
         zero = float(brentq(value, inside.Omega, outside.Omega, xtol=RESOLUTION * inside.Omega))
