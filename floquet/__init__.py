@@ -4,5 +4,16 @@ from floquet.boundary import BoundaryTrace, trace_boundary
 from floquet.chart import StabilityChart, stability_chart
 from floquet.monodromy import Monodromy, monodromy
 from floquet.multipliers import Kind
+from floquet.regions import Region, trace_regions
 
-__all__ = ["BoundaryTrace", "Kind", "Monodromy", "StabilityChart", "monodromy", "stability_chart", "trace_boundary"]
+__all__ = [
+    "BoundaryTrace",
+    "Kind",
+    "Monodromy",
+    "Region",
+    "StabilityChart",
+    "monodromy",
+    "stability_chart",
+    "trace_boundary",
+    "trace_regions",
+]
