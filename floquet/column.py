@@ -55,8 +55,11 @@ def chart_block(systems: Sequence[PeriodicSystem], Omega: FloatArray, eps: Float
     log_modulus, angle, error, kind = (np.concatenate(parts).T for parts in zip(*cells, strict=True))
     with np.errstate(over="ignore"):
         modulus = np.exp(log_modulus)
-    growth_rate = log_modulus * Omega / (2 * np.pi)
-    return Columns(growth_rate, modulus * np.cos(angle) + 1j * (modulus * np.sin(angle)), kind, error)
+    direction = np.where(angle == np.pi, -1, np.cos(angle) + 1j * np.sin(angle))
+    multiplier = np.empty_like(direction)
+    for part, factor in ((multiplier.real, direction.real), (multiplier.imag, direction.imag)):
+        part[:] = np.multiply(modulus, factor, where=factor != 0, out=np.zeros_like(factor))  # not infinity times zero
+    return Columns(log_modulus * Omega / (2 * np.pi), multiplier, kind, error)
 
 
 def steps_needed(systems: Sequence[PeriodicSystem], Omega: FloatArray, eps: FloatArray) -> float:

@@ -21,6 +21,7 @@ MOST_ENTRIES = 2**22  # of one array of samples (32 MB); five such arrays are in
 MOST_CONTRAST = 30.0
 # Logarithm of the growth that the factors of one product may differ by; the small ones must not underflow.
 MOST_FACTOR = 100.0
+FACTORS = 64  # of a long product that are multiplied pairwise, the others one after the other
 
 
 class Panel(NamedTuple):
@@ -121,7 +122,7 @@ class Sampler:
     def _ordered_product(self, P: FloatArray, B: int, growth: float, scale: Scale) -> tuple[FloatArray, Scale]:
         """Return the product of the B factors P(2 pi b / B), b = 0 ... B - 1, of one amplitude, a part at a time."""
         p, halvings = P.shape[0], 0
-        while 2**halvings < B and self._fits(2 ** (halvings + 1), 2 ** (halvings + 1) * growth / B):
+        while 2**halvings < min(B, FACTORS) and self._fits(2 ** (halvings + 1), 2 ** (halvings + 1) * growth / B):
             halvings += 1
         some, missing = 2 ** np.arange(halvings, -1, -1), np.zeros((halvings, 3), bool)
         work = Workspace().arrays(2**halvings * self.size**2, 2**halvings * self.size**2, 0)

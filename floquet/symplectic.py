@@ -146,15 +146,17 @@ def _rotate(A: FloatArray, G: FloatArray, Q: FloatArray, k: int) -> None:
     norm = root(fma(x, x, y * y))
     safe = pick_le(norm, spread(0.0), spread(1.0), norm)
     c, s = pick_le(norm, spread(0.0), spread(1.0), x / safe), y / safe
-    for j in range(n):
+    for j in range(k, n):  # before column k, both rows are zero
         if j != r:
             a, q = load(A, r, j), load(Q, r, j)
             store(A, r, j, fma(c, a, s * q))
             q = fma(c, q, -s * a)
             store(Q, r, j, q)
             store(Q, j, r, -q)
-            a, g = load(A, j, r), load(G, j, r)
-            store(A, j, r, fma(c, a, s * g))
+    for i in range(n):
+        if i != r:
+            a, g = load(A, i, r), load(G, i, r)
+            store(A, i, r, fma(c, a, s * g))
             g = fma(c, g, -s * a)
-            store(G, j, r, g)
-            store(G, r, j, -g)
+            store(G, i, r, g)
+            store(G, r, i, -g)
