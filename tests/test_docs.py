@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import importlib
 import io
 import re
 from pathlib import Path
@@ -11,7 +12,7 @@ from typing import Any, NamedTuple
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").glob("*.md"))]
 
 # A python block, perhaps excused by a comment before it, perhaps followed by what it prints.
 BLOCK = re.compile(
@@ -20,6 +21,7 @@ BLOCK = re.compile(
     r"(?:\s*^```output\n(?P<output>.*?)^```\n)?",
     re.MULTILINE | re.DOTALL,
 )
+COMMAND = re.compile(r"(?:scripts/(?P<script>\w+)\.py|floquet-(?P<entry>\w+))(?P<options>[^\n`]*)")
 OPTIONAL = {"flint", "xarray", "bokeh", "distributed"}  # packages of extras that an example may need
 
 
@@ -59,6 +61,21 @@ def test_examples_of_page(page: Path, tmp_path: Path, monkeypatch: pytest.Monkey
         if getattr(missing, "name", None) not in OPTIONAL:
             raise
         pytest.skip(str(error))
+
+
+def test_commands_have_the_options_that_the_pages_use(capsys: pytest.CaptureFixture[str]) -> None:
+    used: dict[str, set[str]] = {}
+    for page in PAGES:
+        for command in COMMAND.finditer(page.read_text()):
+            given = re.findall(r"(?<!\S)--[a-z][a-z-]*", command["options"])
+            used.setdefault(command["script"] or command["entry"], set()).update(given)
+    used.pop("charts", None)  # the distribution, not a command
+    assert "certify" in used
+    for name, options in used.items():
+        with pytest.raises(SystemExit, match="0"):
+            importlib.import_module(f"floquet_scripts.{name}").main(["--help"])
+        unknown = options - set(re.findall(r"--[a-z][a-z-]*", capsys.readouterr().out))
+        assert not unknown, f"{name} has no {', '.join(unknown)}"
 
 
 def test_examples_are_found_and_compared() -> None:
