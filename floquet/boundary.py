@@ -29,11 +29,13 @@ TOLERANCE = 1e-13
 LEAST_DAMPING = 1e-11
 # Part of an eigenvector in the span of the two resonating solutions below which it is no longer one of them.
 LEAST_PART = 0.5
+# Parts that are as large as this compared with each other do not tell which eigenvector belongs to the pair.
+COMPARABLE = 0.9
 # Relative change of stiffness (norm of eps F in energy coordinates) between two stations of the continuation in eps.
 STATION = 0.25
 # Most points on the way to the middle of a region, and to bracket an edge. A parabola needs about 6 and 3.
 MOST_TRIALS = 40
-# Part of the fall of f from inside to outside that is a jump, not a zero.
+# What f may differ from zero by at an edge, compared with its value inside.
 LARGEST_JUMP = 1e-3
 # Part of a step by which to go aside where another multiplier passes through the pair.
 ASIDE = 0.02
@@ -228,7 +230,8 @@ class _Route:
         modes, those that span the reference best; for a single mode, the one of its pairs nearest to instability: two
         conjugate multipliers, or two real ones whose product is that of the mode's decay.
         """
-        candidates = np.flatnonzero(np.linalg.norm(inside, axis=0) > LEAST_PART).tolist()
+        part = np.linalg.norm(inside, axis=0)
+        candidates = np.flatnonzero(part > max(LEAST_PART, COMPARABLE * np.sort(part)[-2])).tolist()
         lock, decay = self._lock(), self.resonance.decay * T
 
         def belong(pair: list[int]) -> bool:
@@ -340,10 +343,10 @@ class _Route:
             return values[Omega]
 
         zero = float(brentq(value, inside.Omega, outside.Omega, xtol=RESOLUTION * inside.Omega))
-        smallest = min(map(abs, values.values()))
-        resolved = 10 * RESOLUTION * zero / abs(outside.Omega - inside.Omega)
-        if smallest > (LARGEST_JUMP + resolved) * (inside.value - outside.value):
-            raise LostError  # f changes sign by a jump from one pair to another
+        # as near to the zero as this, f is that part of its value inside, unless it changes sign by a jump
+        nearness = 10 * RESOLUTION * zero / max(abs(zero - inside.Omega), RESOLUTION * zero)
+        if min(map(abs, values.values())) > (LARGEST_JUMP + nearness) * inside.value:
+            raise LostError
         return zero
 
     def _error(self, eps: float, top: Point, edge: float, opposite: float) -> float:
