@@ -173,7 +173,7 @@ def default_window(system: PeriodicSystem) -> tuple[tuple[float, float], float]:
     if frequencies.size == 0:
         raise ValueError("the system does not oscillate without excitation; give the window of Omega and eps yourself")
     shown = frequencies[:MODES_SHOWN]
-    return (_rounded(0.5 * shown[0]), _rounded(2.2 * shown[-1])), min(10.0, _default_eps(system, scale, stiffness))
+    return (_rounded(0.5 * shown[0]), _rounded(2.2 * shown[-1])), _default_eps(system, scale, stiffness)
 
 
 def _default_eps(system: PeriodicSystem, scale: FloatArray, stiffness: FloatArray) -> float:

@@ -37,8 +37,8 @@ from plate.loads import WAVEFORMS
 logger = logging.getLogger(__name__)
 
 ADDRESS = "127.0.0.1"
-# Columns and rows of successive charts. The finest that is expected within the budget answers a control; the rest
-# follow while nothing changes.
+# Columns and rows of successive charts. The one before the finest that is expected within the budget answers a control,
+# since a change of the system can make a cell some times dearer; the rest follow while nothing changes.
 RESOLUTIONS = ((24, 12), (48, 24), (96, 48), (192, 96), (256, 128))
 FIRST_CHART_SECONDS = 0.6
 # A chart is computed in strips of about this length, so that a control never waits long for what nobody needs any more.
@@ -157,7 +157,7 @@ class LivePage:
 
     def _finer_and_finer(self, state: State) -> Iterator[StabilityChart]:
         expected = [self._seconds_a_cell * columns * rows for columns, rows in RESOLUTIONS]
-        first = max(sum(seconds <= FIRST_CHART_SECONDS for seconds in expected) - 1, 0)
+        first = max(sum(seconds <= FIRST_CHART_SECONDS for seconds in expected) - 2, 0)
         for columns, rows in RESOLUTIONS[first:]:
             Omega, eps = np.linspace(*state.Omega, columns), np.linspace(*state.eps, rows)
             seconds = self._seconds_a_cell * columns * rows
@@ -234,7 +234,7 @@ def _controls(plate: Plate, change: Callable[[str, Any], None]) -> list[LayoutDO
     tension = TENSION_REACH * max(abs(now["tension"]), 1.0)
     damping = max(DAMPING_REACH * now["damping"], DAMPING_LEAST)
     sliders = {
-        "speed": (f"speed V (divergence at {V_cr:.4g})", 0.0, SPEED_REACH * V_cr, 0.01, "0.00"),
+        "speed": ("speed V", 0.0, SPEED_REACH * V_cr, 0.01, "0.00"),
         "tension": ("tension f₀", min(0.0, now["tension"]), tension, tension / 300, "0.00"),
         "damping": ("damping c", 0.0, damping, damping / 200, "0.00000"),
         "width": ("load width / b", 0.05, 1.0, 0.01, "0.00"),

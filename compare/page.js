@@ -92,7 +92,7 @@ function draw(k) {
   wave.y_range.setv({ start: -1.08 * top, end: 1.08 * top })
   const step = Math.max(1, Math.ceil(top / 4))
   const ticks = [0]
-  for (let decade = 0; scaled(decade * DECADE, 1) <= top; decade += step) {
+  for (let decade = step > 1 ? step : 0; scaled(decade * DECADE, 1) <= top; decade += step) {
     ticks.push(scaled(decade * DECADE, 1), scaled(decade * DECADE, -1))
   }
   ticker.ticks = ticks.sort((a, b) => a - b)

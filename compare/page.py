@@ -57,8 +57,9 @@ KIND_NAMES = {
     Kind.COMPLEX: "unstable, complex pair",
 }
 CURVE_POINTS = 121
-# Labels closer than this part of the window go to different lines; narrower regions get none.
-LABEL_WIDTH, LEAST_WIDTH = 0.055, 1 / 400
+# A label takes this part of the window's width; regions narrower than the other part get none, nor those that find no
+# place on these lines (the curve under the pointer tells its name).
+LABEL_WIDTH, LEAST_WIDTH, LABEL_LINES = 0.055, 1 / 400, 4
 PERIODS = 10
 MOST_DECADES = 16  # circles around the unit circle, at |mu| = 10, 100, ...
 
@@ -75,10 +76,10 @@ class Page:
     """
 
     def __init__(self, title: str, hint: str) -> None:
-        self.cells = ColumnDataSource(_cell_data(None))
-        self.curves = ColumnDataSource({"xs": [], "ys": [], "label": []})
-        self.labels = ColumnDataSource({"x": [], "y": [], "text": []})
-        self.points = ColumnDataSource(_point_data([]))
+        self.cells = ColumnDataSource(_cell_data(None), name="cells")
+        self.curves = ColumnDataSource({"xs": [], "ys": [], "label": []}, name="curves")
+        self.labels = ColumnDataSource({"x": [], "y": [], "text": []}, name="labels")
+        self.points = ColumnDataSource(_point_data([]), name="points")
         self.heading = Div(text="", styles=STYLE, margin=(8, 10, 0, 10))
         self.message = Div(text="", styles=STYLE, margin=(0, 10, 0, 10), name="message")
         self.facts = Div(text=hint, height=66, styles=STYLE, margin=(0, 10, 0, 10), name="facts")
@@ -139,6 +140,7 @@ class Page:
 
     def _chart(self) -> figure:
         plot = figure(
+            name="chart",
             height=540,
             min_width=520,
             sizing_mode="stretch_width",
@@ -180,7 +182,7 @@ class Page:
         self._marker = plot.scatter(
             [], [], marker="circle_x", size=13, fill_alpha=0, line_color="black", line_width=1.5
         )
-        undecided = plot.scatter([], [], marker="square", size=9, color=UNDECIDED_GREY)
+        undecided = plot.scatter([np.nan], [np.nan], marker="square", size=9, color=UNDECIDED_GREY)
         self._curve_item = LegendItem(label="multiple scales", renderers=[curves])
         plot.add_layout(
             Legend(
@@ -213,6 +215,7 @@ class Page:
                 formatters={"$x": place, "$y": place, "@verdict": kind_name, "@rate": "printf", "@error": "printf"},
             )
         )
+        plot.add_tools(HoverTool(renderers=[curves], tooltips=[("theory", "@label")], attachment="left"))
         self._choice = RadioButtonGroup(labels=["growth rate", "kind of instability"], active=0, margin=(6, 10, 0, 10))
         self._choice.js_on_change(
             "active",
@@ -236,7 +239,7 @@ class Page:
         decades = range(2, MOST_DECADES + 2)
         self._circle.multi_line([k * x for k in decades], [k * y for k in decades], line_color="#ccc")
         self._circle.line(x, y, line_color="#444", line_width=1.2)
-        multipliers = ColumnDataSource({"x": [], "y": [], "colour": [], "value": [], "modulus": []})
+        multipliers = ColumnDataSource({"x": [], "y": [], "colour": [], "value": [], "modulus": []}, name="multipliers")
         dots = self._circle.scatter(
             "x", "y", source=multipliers, size=8, color="colour", fill_alpha=0.6, line_width=1.2
         )
@@ -248,7 +251,7 @@ class Page:
         )  # fmt: skip
         self._wave.grid.grid_line_color = "#eee"
         self._wave.axis.axis_label_text_font_style = "normal"
-        solution = ColumnDataSource({"t": [], "w": []})
+        solution = ColumnDataSource({"t": [], "w": []}, name="solution")
         self._wave.line("t", "w", source=solution, color=BLUE, width=1.3)
         ticker = FixedTicker(ticks=[0])
         self._wave.yaxis.ticker = ticker
@@ -305,21 +308,26 @@ def _curve_data(curves: Sequence[TransitionCurve], chart: StabilityChart) -> dic
 
 
 def _label_data(curves: Sequence[TransitionCurve], chart: StabilityChart) -> dict[str, Any]:
-    """Place the names of regions wide enough to be seen at the top of the chart, on lines without overlap."""
+    """Place the names of the widest regions at the top of the chart, on lines without overlap."""
     low, high, bottom, top = (float(grid[end]) for grid in (chart.Omega, chart.eps) for end in (0, -1))
-    ends: list[float] = []  # where the last label on each line stands
-    x, y, text = [], [], []
-    for curve in sorted(curves, key=lambda curve: curve.centre):
+    room = LABEL_WIDTH * (high - low)
+    seen = []
+    for curve in curves:
         lower, upper = curve.edges(top)
-        if not (low < curve.centre < high and upper - lower > LEAST_WIDTH * (high - low)):
-            continue
-        gap = LABEL_WIDTH * (high - low) * max(1.0, len(curve.label) / 5)
-        line = next((i for i, end in enumerate(ends) if curve.centre - end > gap), len(ends))
-        ends[line : line + 1] = [curve.centre]
-        x.append(curve.centre)
-        y.append(top - (top - bottom) * (0.015 + 0.05 * line))
-        text.append(curve.label)
-    return {"x": x, "y": y, "text": text}
+        if low < curve.centre < high and upper - lower > LEAST_WIDTH * (high - low):
+            seen.append((min(float(upper), high) - max(float(lower), low), curve))
+    placed: list[tuple[int, float, float, str]] = []
+    for _, curve in sorted(seen, key=lambda pair: -pair[0]):
+        half = 0.5 * room * max(1.0, len(curve.label) / 5)
+        for line in range(LABEL_LINES):
+            if all(abs(curve.centre - x) > half + other for at, x, other, _ in placed if at == line):
+                placed.append((line, curve.centre, half, curve.label))
+                break
+    return {
+        "x": [x for _, x, _, _ in placed],
+        "y": [top - (top - bottom) * (0.015 + 0.05 * line) for line, *_ in placed],
+        "text": [label for *_, label in placed],
+    }
 
 
 def _point_data(responses: Sequence[Response]) -> dict[str, Any]:

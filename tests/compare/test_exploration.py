@@ -1,0 +1,104 @@
+"""The window of an exploration, what is said about it, and what is written."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from compare.exploration import default_window, explore
+from floquet import StabilityChart
+from periodic import PeriodicSystem
+from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu, meissner
+from plate import MovingPlate
+
+PLATE = MovingPlate(axial_terms=2, lateral_terms=2).at(0.0)
+
+
+@pytest.mark.parametrize(
+    ("system", "principal"),
+    [
+        (mathieu(), [2.0]),
+        (mathieu(400.0, 0.1), [40.0]),
+        (coupled_mathieu(frequencies=(1.0, 1.7)), [2.0, 2.7, 3.4]),
+        (gyroscopic_rotor(), [4.0]),
+        (meissner(), [2.0]),
+        (PLATE, [18.675]),
+    ],
+)
+def test_the_default_window_shows_the_main_regions(system: PeriodicSystem, principal: list[float]) -> None:
+    (low, high), eps = default_window(system)
+    assert all(low < Omega < high for Omega in principal)
+    assert low < min(principal) / 2
+    result = explore(system, (low, high), eps, points=(48, 8), n_jobs=1)
+    unstable = (result.chart.kind > 0).mean()
+    assert 0.01 < unstable < 0.9  # something to see, and somewhere to see it against
+
+
+def test_the_default_window_follows_the_units() -> None:
+    (low, high), eps = default_window(mathieu())
+    scaled = PeriodicSystem([[2.0]], [[0.0]], [[0.0]], [[2e6]], [[[2e3]]])  # time in 1/1000, the force in 1/1000
+    (low_2, high_2), eps_2 = default_window(scaled)
+    assert (low_2, high_2, eps_2) == pytest.approx((1e3 * low, 1e3 * high, 1e3 * eps), rel=1e-12)
+
+
+def test_rigid_body_motion_is_passed_over() -> None:
+    free = PeriodicSystem(np.eye(2), np.zeros((2, 2)), np.zeros((2, 2)), [[1, -1], [-1, 1]], [np.eye(2)])
+    assert default_window(free)[0] == pytest.approx((0.5 * np.sqrt(2), 2.2 * np.sqrt(2)), rel=0.05)
+    with pytest.raises(ValueError, match="does not oscillate"):
+        default_window(PeriodicSystem([[1.0]], [[0.0]], [[0.0]], [[0.0]], [[[1.0]]]))
+
+
+def test_without_positive_stiffness_one_sentence_replaces_the_curves() -> None:
+    trap = mathieu(-0.3)
+    (low, high), eps = default_window(trap)
+    result = explore(trap, (low, high), eps, points=(32, 16), n_jobs=1)
+    assert result.curves == []
+    assert result.remark.startswith("The analytic curves are left out: stiffness")
+    assert (result.chart.kind == 0).any()  # the trap holds somewhere
+    assert (result.chart.kind[0] > 0).all()  # and nowhere without a field
+
+
+def test_curves_that_never_open_are_not_drawn() -> None:
+    result = explore(coupled_mathieu("sum"), (0.3, 4.0), 0.5, points=(8, 4), n_jobs=1)
+    assert [curve.label for curve in result.curves] == ["ω₁+ω₂"]
+    result = explore(coupled_mathieu("difference"), (0.3, 4.0), 0.5, points=(8, 4), n_jobs=1)
+    assert [curve.label for curve in result.curves] == ["ω₂−ω₁"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "wanted"),
+    [
+        ({"Omega_range": (2.0, 1.0)}, "Omega_range"),
+        ({"Omega_range": (0.0, 1.0)}, "Omega_range"),
+        ({"Omega_range": (1.0, np.nan)}, "Omega_range"),
+        ({"eps_max": 0.0}, "eps_max = 0.0"),
+        ({"eps_max": np.inf}, "eps_max = inf"),
+        ({"points": (1, 5)}, "points = 1"),
+        ({"points": (5, 10**9)}, "points = 1000000000"),
+        ({"order": 3}, "order = 3"),
+    ],
+)
+def test_a_wrong_argument_is_named(arguments: dict[str, object], wanted: str) -> None:
+    with pytest.raises(ValueError, match=wanted):
+        explore(mathieu(), **{"Omega_range": (1.0, 3.0), "eps_max": 0.5} | arguments)
+
+
+def test_what_is_written_can_be_read_again(tmp_path: Path) -> None:
+    xarray = pytest.importorskip("xarray")
+    result = explore(mathieu(1.0, 0.05), (1.0, 3.0), 0.5, points=(16, 8), title="Mathieu", n_jobs=1)
+    result.write(tmp_path, "mathieu", netcdf=True)
+    pictures = ["mathieu-chart.png", "mathieu-overlay.pdf", "mathieu-overlay.png"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [*pictures, "mathieu.nc", "mathieu.npz"]
+    np.testing.assert_array_equal(StabilityChart.load(tmp_path / "mathieu.npz").kind, result.chart.kind)
+    with xarray.open_dataset(tmp_path / "mathieu.nc", engine="scipy") as data:
+        np.testing.assert_array_equal(data.growth_rate, result.chart.growth_rate)
+        np.testing.assert_array_equal(data.multiplier_real + 1j * data.multiplier_imag, result.chart.multiplier)
+        assert data.growth_rate.dims == ("eps", "Omega")
+
+
+def test_the_audit_is_told() -> None:
+    result = explore(mathieu(), (1.0, 3.0), 0.5, points=(16, 8), n_jobs=1)
+    assert "integrated again by another method" in result.audit
+    assert "within the estimated error" in result.audit
