@@ -42,7 +42,7 @@ class Resonance:
         The frequency Omega of resonance.
     decay : float
         Sum of the decay rates of the two modes.
-    vectors : ndarray of complex, shape (2n, 2)
+    solutions : ndarray of complex, shape (2n, 2)
         The two solutions that resonate, at t = 0 in (W', W): those of e^{i omega_p t} and of e^{∓ i omega_q t}.
     """
 
@@ -52,7 +52,7 @@ class Resonance:
     kind: str
     centre: float
     decay: float
-    vectors: NDArray[np.complex128]
+    solutions: NDArray[np.complex128]
 
 
 def nearest_resonance(system: PeriodicSystem, near: float) -> Resonance:

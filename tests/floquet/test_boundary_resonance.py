@@ -46,7 +46,7 @@ def test_sums_are_preferred_to_differences():
     assert name(coupled_mathieu("sum", (1.0, 3.0)), 2.0) == (1, 1, 1, "sum")
 
 
-def test_vectors_are_the_two_solutions():
+def test_solutions_are_two_modes():
     system = random_system(12, 3, damping=0.1)
     stiff = type(system)(
         system.mass, system.gyroscopic, system.damping, system.stiffness + 3 * np.eye(3), system.cosine
@@ -64,8 +64,8 @@ def test_vectors_are_the_two_solutions():
         assert found.centre == pytest.approx(near, rel=1e-12)
         assert found.decay == pytest.approx(-exponents[p].real - exponents[q].real, abs=1e-12)
         partner = exponents[q].conj() if conjugate else exponents[q]
-        expected = found.vectors * np.array([exponents[p], partner])
-        assert A @ found.vectors == pytest.approx(expected, abs=1e-11)
+        expected = found.solutions * np.array([exponents[p], partner])
+        assert A @ found.solutions == pytest.approx(expected, abs=1e-11)
 
 
 def test_gyroscopic_frequencies():
