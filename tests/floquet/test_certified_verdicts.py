@@ -1,0 +1,122 @@
+"""`monodromy` and `stability_chart` against certificates: where they say stable or unstable, it is proved.
+
+Wherever the certificate cannot decide, they must not decide either. Points are drawn at random and close to the
+boundaries, where a wrong error estimate shows first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+pytest.importorskip("flint", reason="python-flint, the extra certify, is not installed")
+
+from floquet import Kind, monodromy, stability_chart
+from floquet.certified import CertifiedGrowth, Verdict, certified_growth
+from periodic import PeriodicSystem
+from periodic.checks import FloatArray
+from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu, meissner
+from plate import EdgeLoad, MovingPlate
+
+# Relative distances from a boundary at which points are tried on either side; boundaries are located ten times better.
+DISTANCES = (1e-6, 1e-7, 1e-8, 1e-9)
+
+
+class Study(NamedTuple):
+    system: PeriodicSystem
+    window: tuple[float, float]
+    eps: tuple[float, ...]
+    columns: int  # of the scan for boundaries
+
+
+def small_plate(**parameters: object) -> PeriodicSystem:
+    return MovingPlate(axial_terms=2, lateral_terms=3, **parameters).at(1.0)  # type: ignore[arg-type]
+
+
+SMALL = {
+    "mathieu": Study(mathieu(), (0.4, 5.0), (0.5, 1.5), 60),
+    "mathieu damped": Study(mathieu(damping=0.05), (0.4, 5.0), (0.5,), 60),
+    "meissner": Study(meissner(harmonics=5), (0.8, 5.0), (0.5,), 40),
+    "coupled, sum": Study(coupled_mathieu(), (0.8, 6.0), (0.5,), 80),
+    "coupled, difference": Study(coupled_mathieu("difference"), (0.4, 6.0), (0.5,), 80),
+    "coupled, damped": Study(coupled_mathieu(damping=(0.1, 0.02)), (0.8, 6.0), (0.5,), 80),
+    "coupled, double": Study(coupled_mathieu(frequencies=(1.0, 1.0)), (0.8, 6.0), (0.5,), 40),
+    "rotor": Study(gyroscopic_rotor(), (0.8, 8.0), (0.5,), 80),
+    "rotor, oval shaft": Study(gyroscopic_rotor((4.0, 5.0), 0.7), (0.8, 8.0), (0.5,), 80),
+    "rotor, damped": Study(gyroscopic_rotor((4.0, 5.0), 0.7, 0.05), (0.8, 8.0), (1.0,), 80),
+    "plate": Study(small_plate(), (16.0, 22.0), (0.3,), 20),
+}
+LARGE = {name: study._replace(columns=3 * study.columns) for name, study in SMALL.items()} | {
+    "plate": Study(small_plate(), (10.0, 90.0), (0.3, 0.8), 160),
+    "plate, linear load": Study(small_plate(load=EdgeLoad.linear(0.5, 1.5)), (10.0, 90.0), (0.3,), 160),
+    "plate, damped": Study(small_plate(damping=1e-3), (10.0, 90.0), (0.5,), 160),
+}
+
+
+def boundaries(study: Study, eps: float) -> Iterator[float]:
+    """Yield Omega where `monodromy` turns from not unstable to unstable or back."""
+
+    def unstable(Omega: float) -> bool:
+        return monodromy(study.system, Omega, eps).kind > Kind.STABLE
+
+    scan = np.linspace(*study.window, study.columns)
+    kinds = [unstable(float(Omega)) for Omega in scan]
+    for i in np.flatnonzero(np.diff(kinds)):
+        low, high = float(scan[i]), float(scan[i + 1])
+        while high - low > 0.1 * min(DISTANCES) * high:
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if unstable(middle) == kinds[i] else (low, middle)
+        yield low
+
+
+def points(study: Study, eps: float, spread: int) -> FloatArray:
+    """Return sorted Omega: ``spread`` at random in the window, and some at each of DISTANCES from every boundary."""
+    near = [
+        edge * (1 + sign * distance) for edge in boundaries(study, eps) for distance in DISTANCES for sign in (-1, 1)
+    ]
+    return np.unique([*np.random.default_rng(0).uniform(*study.window, spread), *near])
+
+
+def check(kind: int, log_modulus: float, error: float, Omega: float, found: CertifiedGrowth) -> list[str]:
+    """Return what is wrong with a verdict and a log|mu| that claims this error."""
+    faults = []
+    if kind != Kind.UNDECIDED and found.verdict is not (Verdict.STABLE if kind == Kind.STABLE else Verdict.UNSTABLE):
+        faults.append(f"Omega = {Omega!r}: {Kind(kind).name}, proved {found.verdict}")
+    period = 2 * np.pi / Omega
+    miss = max(found.lower * period - log_modulus, log_modulus - found.upper * period)
+    if miss > 3 * error + 1e-13:
+        faults.append(f"Omega = {Omega!r}: log|mu| = {log_modulus!r} is off by {miss:.3g}, estimated {error:.3g}")
+    return faults
+
+
+def compare(study: Study, spread: int) -> int:
+    """Hold both integrators against certificates; return the number of points."""
+    faults, tried = [], 0
+    for eps in study.eps:
+        Omega = points(study, eps, spread)
+        chart = stability_chart(study.system, Omega, [eps], n_jobs=1, progress=False)
+        for i, w in enumerate(map(float, Omega)):
+            found = certified_growth(study.system, w, eps)
+            period = 2 * np.pi / w
+            point = monodromy(study.system, w, eps)
+            one = check(point.kind, point.growth_rate * period, point.log_modulus_error, w, found)
+            cell = (int(chart.kind[0, i]), chart.growth_rate[0, i] * period, chart.error[0, i])
+            faults += [f"monodromy, eps = {eps}, {fault}" for fault in one]
+            faults += [f"chart, eps = {eps}, {fault}" for fault in check(*cell, w, found)]
+        tried += len(Omega)
+    assert not faults, "\n".join(faults)
+    return tried
+
+
+@pytest.mark.parametrize("name", SMALL)
+def test_verdicts_are_proved(name: str) -> None:
+    assert compare(SMALL[name], spread=8) > 15
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", LARGE)
+def test_many_verdicts_are_proved(name: str) -> None:
+    assert compare(LARGE[name], spread=60) > 75
