@@ -195,8 +195,9 @@ class _Route:
             half_width = np.sqrt(max(best.value, 0.0)) / self._scale(best.Omega)
             if abs(x - best.Omega) <= max(0.1 * half_width, RESOLUTION * best.Omega):
                 break
-            if curvature < 0 and height < 0 and abs(height - previous) < 0.01 * abs(height):
-                break  # certainly closed
+            certainly_closed = curvature < 0 and height < 0 and abs(height - previous) < 0.01 * abs(height)
+            if certainly_closed or any(x == point.Omega for point in points):
+                break
             previous = height
             points.append(self.pair.at(x, eps, reference))
         return points[0]

@@ -248,6 +248,13 @@ def test_narrow_region_of_the_plate(plate):
     assert (trace.lower_error < 1e-9 * trace.lower).all()
 
 
+def test_narrow_region_among_other_multipliers():
+    # at eps = 1 other multipliers of the plate pass close to the pair 1+3; the edges must not jump to them
+    trace = trace_boundary(MovingPlate(), 44.967, [0.9, 0.95, 1.0, 1.05, 1.1])
+    for edge in (trace.lower, trace.upper):
+        assert np.abs(np.diff(edge, 3)).max() < 1e-4  # the width is 0.09
+
+
 def test_family_is_asked_at_every_frequency():
     class Family:
         """F grows with Omega: x'' + (1 + eps (Omega / 2)^2 cos Omega t) x = 0."""
