@@ -35,9 +35,6 @@ from perturb.modes import ComplexArray, GyroscopicModes
 # is less in proportion, so that no term of the second-order sum is larger than V^2 / (NEAR Omega) with the strongest V.
 NEAR = 0.2
 
-# Modes that damping couples belong together if it does so by more than this part of the distance of their frequencies.
-DAMPED = 0.1
-
 # To first order only states of equal frequency belong together, that is equal to rounding of the modes.
 EQUAL = 1e-9
 
@@ -196,8 +193,8 @@ def resonant_states(
     """Return ``pair`` and the states that are in resonance with it and coupled to it, nearest interactions first.
 
     To first order a state joins if its frequency is that of a member it interacts with. To second order it joins if its
-    frequency is near that (`NEAR`, `DAMPED`), or, where only two interactions together link it to a member, within the
-    square of `NEAR`.
+    frequency is within `NEAR` of that, or, where only damping or two interactions together link it to a member, within
+    the square of `NEAR`.
     """
     states = list(pair)
     J = couplings.harmonics
@@ -222,7 +219,7 @@ def _near(couplings: ModalCouplings, state: tuple[int, int], k: int, centre: flo
         return np.zeros(len(couplings.omega))
     strength = np.maximum(np.abs(E[J + h - k, nu]), np.abs(E[J + k - h, :, nu]))
     if h == k:
-        return np.minimum(strength / DAMPED, NEAR * centre)
+        return NEAR**2 * centre * (strength > 0)
     return NEAR * centre * strength / max(couplings.strongest[nu], TINY)
 
 

@@ -123,6 +123,21 @@ def test_gap_is_of_third_order(system: PeriodicSystem, label: str, order: int) -
     assert order - 0.15 < measured < order + 0.15
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_real_unsymmetric_systems_have_finite_edges(seed: int) -> None:
+    """An imaginary part of L or a decay left by rounding would make every detuning unstable."""
+    system = changed(random_system(seed, 3, symmetric=False, gyroscopic=0.0), sine=np.zeros((1, 3, 3)))
+    for found in curves(system).values():
+        assert not np.isinf(found.edges([0.02, 0.05])).any(), found.label
+
+
+def test_uncoupled_modes_have_no_difference_region() -> None:
+    zero, F = np.zeros((3, 3)), [[1.0, 0.5, 0.0], [-0.2, 1.0, 0.0], [0.0, 0.0, 1.0]]
+    found = curves(PeriodicSystem(np.eye(3), zero, zero, np.diag([1.0, 2.9, 5.3]), [F]))
+    assert np.isfinite(found["ω₂−ω₁"].edges(0.1)).all()
+    assert np.isnan(found["ω₃−ω₁"].edges(0.1)).all()
+
+
 @pytest.mark.parametrize("label", ["2ω₁", "ω₁+ω₂", "2ω₂"])
 def test_gap_with_damping_is_of_third_order(label: str) -> None:
     """Full damping matrix, c = eps alpha: the cross terms of damping and excitation count."""
@@ -238,14 +253,24 @@ def test_states_of_a_wide_block_are_not_counted_twice() -> None:
     assert 2.85 < fitted_order(eps, gaps(system, "2ω₁", eps, cut=6)) < 3.15
 
 
+def test_damping_that_couples_close_modes_is_treated_exactly() -> None:
+    """Modes 1 and 1.01 coupled by damping alone, as strongly as their frequencies differ."""
+    zero, C = np.zeros((2, 2)), [[0.02, 0.019], [0.019, 0.02]]
+    system = PeriodicSystem(np.eye(2), zero, C, np.diag([1.0, 1.01**2]), [np.diag([1.0, 0.5])])
+    found, eps = curves(system)["2ω₁"], 0.08
+    Omega = np.array([1.98, 2.0, 2.02])
+    exact = [hill_growth(system, value, eps, cut=6) for value in Omega]
+    np.testing.assert_allclose(found.growth_rate(Omega, eps), exact, atol=0.02 * eps**3)
+
+
 def test_a_narrow_region_in_a_block_is_not_overlooked() -> None:
     """Far narrower than the samples of the search, which spans what the strong coupling to the third state can move."""
     zero, eps = np.zeros((2, 2)), 0.03
-    system = PeriodicSystem(np.eye(2), zero, zero, np.diag([1.0, 9.3]), [[[0.003, 0.8], [0.8, 1.0]]])
+    system = PeriodicSystem(np.eye(2), zero, zero, np.diag([1.0, 9.3]), [[[0.001, 0.8], [0.8, 1.0]]])
     found = curves(system)["2ω₁"]
     assert len(found.resonance.block.states) > 2
     lower, upper = found.edges(eps)
-    assert 0 < upper - lower < 2e-4
+    assert 0 < upper - lower < 1e-4
     exact = hill_edges(system, 0.5 * (lower + upper), upper - lower, eps, cut=7)
     np.testing.assert_allclose((lower, upper), exact, atol=0.2 * eps**3)
 
