@@ -28,7 +28,7 @@ MOST_STEPS = 2.0**16  # more only collect rounding errors
 TARGET = 1e-10  # for the error E of `floquet.verdict`
 # The error is measured at two amplitudes, and with all multipliers; elsewhere it may be a little larger.
 SAFETY = 4.0
-UNIT = float(np.finfo(float).eps)
+UNIT, TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
 
 
 class Columns(NamedTuple):
@@ -95,7 +95,7 @@ def _column(
     tested = _tested(eps)
     measured = _discrepancies(sampler, mu[tested], exponents[tested], eps[tested], L)
     # exact at eps = 0, and the error grows at least like eps^2; the straight line is on the safe side
-    slope = (measured / np.maximum(np.abs(eps[tested]), UNIT)).max()
+    slope = (measured / np.maximum(np.abs(eps[tested]), np.abs(eps).max() / 4 + TINY)).max()
     E = SAFETY * losses * np.maximum(slope * np.abs(eps), UNIT * 2.0**L)
     if block.symplectic:
         return dominant_symplectic(mu, exponents), E
@@ -150,8 +150,9 @@ def lane_weights(weights: FloatArray) -> FloatArray:
 
 
 def _tested(eps: FloatArray) -> list[int]:
-    """Return the amplitudes to integrate once more with half the step: the largest and the middle one."""
-    return sorted({int(np.abs(eps).argmax()), len(eps) // 2})
+    """Return the amplitudes to integrate once more with half the step: the largest and the one nearest to its half."""
+    sizes = np.abs(eps)
+    return sorted({int(sizes.argmax()), int(np.abs(sizes - sizes.max() / 2).argmin())})
 
 
 def _discrepancies(sampler: Sampler, mu: ComplexArray, exponents: FloatArray, eps: FloatArray, L: int) -> FloatArray:

@@ -148,7 +148,7 @@ def judge(found: Dominant, E: FloatArray, conservative: bool) -> Cells:
     if conservative:
         held = (np.abs(log_modulus) <= error) & (found.gap > APART * np.sqrt(E))
         stable = np.where(held, Kind.STABLE, Kind.UNDECIDED)
-        log_modulus = np.where(held, 0.0, log_modulus)
+        log_modulus, error = np.where(held, 0.0, log_modulus), np.where(held, E, error)
     else:
         stable = np.where(log_modulus < -error, Kind.STABLE, Kind.UNDECIDED)
     kind = np.where(log_modulus > error, unstable, stable).astype(np.int8)
