@@ -12,6 +12,7 @@ the groups by one rule for every claim:
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -137,6 +138,11 @@ class ClaimVerdict:
         return counts
 
     @property
+    def held(self) -> int:
+        """How many findings hold, by theory."""
+        return sum(finding.holds for finding in self.findings)
+
+    @property
     def verdict(self) -> Verdict:
         """The rule of this module."""
         throughout = [held == total for held, total in self.groups.values()]
@@ -178,8 +184,8 @@ class ClaimVerdict:
                     "left": check.finding.left.name,
                     "right": check.finding.right.name,
                     "predicted": [check.finding.left.predicted, check.finding.right.predicted],
-                    "traced": [check.left.value, check.right.value],
-                    "errors": [check.left.error, check.right.error],
+                    "traced": [_finite(check.left.value), _finite(check.right.value)],
+                    "errors": [_finite(check.left.error), _finite(check.right.error)],
                     "holds": check.holds,
                     "confirms_theory": check.confirms,
                 }
@@ -203,6 +209,10 @@ def judged(
             groups.setdefault(finding.group, []).append(finding)
     traced = [_tell(group) for group in groups.values()] + [_trace(finding) for finding in also]
     return ClaimVerdict(name, statement, scope, tuple(findings), tuple(traced))
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
 
 
 def _tell(group: Sequence[Finding]) -> Traced:

@@ -63,6 +63,11 @@ class CaseStudy:
         """Whether theory and integration agree in every region of every variant, and every chart passed its audit."""
         return all(verdict.agrees for variant in self.variants for verdict in variant.verdicts)
 
+    @property
+    def chart_names(self) -> list[str]:
+        """Name of each variant's chart among `figures`."""
+        return ["chart"] if len(self.variants) == 1 else [f"chart-{i}" for i, _ in enumerate(self.variants, start=1)]
+
     def to_dict(self) -> dict[str, Any]:
         """Return plain numbers and strings, fit for JSON."""
         return {
@@ -80,8 +85,7 @@ class CaseStudy:
         layers = [Layer(variant.label, variant.chart, variant.panels) for variant in self.variants]
         draw = region_panels if self.case.compare == "within" else variant_panels
         pictures = {"regions": draw(layers, title=self.case.title)}
-        for index, variant in enumerate(self.variants, start=1):
-            name = "chart" if len(self.variants) == 1 else f"chart-{index}"
+        for variant, name in zip(self.variants, self.chart_names, strict=True):
             title = "\n".join(filter(None, (self.case.title, variant.label)))
             traces = [trace for _, trace in variant.panels]
             pictures[name] = overlay(variant.chart, variant.curves, traces, title=title)
