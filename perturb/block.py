@@ -49,7 +49,7 @@ def block_intervals(block: EffectiveBlock, eps: FloatArray) -> tuple[FloatArray,
     Returns
     -------
     lower, upper : ndarray, shape (k,)
-        NaN if there is none; infinite where it reaches the end of the window in which the pair can be in resonance.
+        NaN if there is none; infinite where it reaches beyond the frequencies at which the block can be in resonance.
         Of several intervals the one in which the pair has the largest share.
     """
     if not len(eps):
@@ -58,7 +58,9 @@ def block_intervals(block: EffectiveBlock, eps: FloatArray) -> tuple[FloatArray,
     reach = np.sum(strength, axis=-1).max(axis=-1)  # no exponent moves further than this (Gershgorin)
     threshold = COALESCENCE * reach * (np.diagonal(block.powers[0]).real == 0).any()
     steps = np.abs(np.subtract.outer(block.states[:, 1], block.states[:, 1]))
-    x = np.linspace(-3, 3, SAMPLES) * (reach / steps[steps > 0].min())[:, None]
+    window = 3 * reach / steps[steps > 0].min()  # where the pair can be in resonance
+    beyond = 2 * window + 3 * np.abs(block.detuning).max() / steps[steps > 0].min()  # and all others
+    x = np.column_stack([-beyond, np.linspace(-window, window, SAMPLES, axis=1), beyond])
     at = _exponents(block, x, eps[:, None], threshold[:, None])
     x, at = _with_exchanges(block, x, eps, threshold, at)
 
