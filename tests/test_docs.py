@@ -78,6 +78,15 @@ def test_commands_have_the_options_that_the_pages_use(capsys: pytest.CaptureFixt
         assert not unknown, f"{name} has no {', '.join(unknown)}"
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_files_and_tests_that_a_page_names_exist(page: Path) -> None:
+    text = page.read_text()
+    missing = [name for name in re.findall(r"`([\w/]+\.(?:py|md))`", text) if not (ROOT / name).is_file()]
+    tests = "".join(file.read_text() for file in (ROOT / "tests").rglob("test_*.py"))
+    missing += [name for name in re.findall(r"`(test_\w+)`", text) if f"def {name}(" not in tests]
+    assert not missing
+
+
 def test_examples_are_found_and_compared() -> None:
     page = (
         "text\n```python\nx = 1\n```\n\n<!-- not executed: takes an hour -->\n```python\nx = 2\n```\n"
