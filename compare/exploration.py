@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from math import floor, log10
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from compare.outlines import draw_outlines
 from compare.overlay import overlay
-from floquet import StabilityChart, stability_chart
+from floquet import Region, StabilityChart, stability_chart, trace_regions
 from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import FloatArray, interval, one_of, real_number, whole_number
 from perturb import TransitionCurve, transition_curves
@@ -39,6 +42,8 @@ class Exploration:
         Floquet multipliers over the window.
     curves : list of TransitionCurve
         Analytic regions that are open somewhere in the window, by ascending centre.
+    regions : list of Region
+        Every region of instability in the window, traced and named; empty on the live page, which has no time for it.
     order : int
         Order of the theory, 1 or 2.
     remark : str
@@ -48,6 +53,7 @@ class Exploration:
     title: str
     chart: StabilityChart
     curves: list[TransitionCurve]
+    regions: list[Region]
     order: int
     remark: str
 
@@ -63,7 +69,7 @@ class Exploration:
         return f"{found} in log|μ|, {audit.largest_ratio:.1f} times the estimated error: do not trust this chart."
 
     def write(self, folder: Path, name: str, *, netcdf: bool = False) -> None:
-        """Write ``name``-chart.png, ``name``-overlay.png and .pdf, ``name``.npz and on request ``name``.nc.
+        """Write ``name``-chart.png, -overlay.png and .pdf, -regions.json, ``name``.npz and on request ``name``.nc.
 
         Raises
         ------
@@ -72,8 +78,11 @@ class Exploration:
         """
         overlay(self.chart, [], title=self.title).savefig(folder / f"{name}-chart.png")
         figure = overlay(self.chart, self.curves, title=self.title)
+        draw_outlines(figure, self.chart, self.regions)
         for suffix in ("png", "pdf"):
             figure.savefig(folder / f"{name}-overlay.{suffix}")
+        regions = json.dumps([_plain(region) for region in self.regions], ensure_ascii=False)
+        (folder / f"{name}-regions.json").write_text(regions, encoding="utf-8")
         self.chart.save(folder / f"{name}.npz")
         if netcdf:
             try:
@@ -83,6 +92,14 @@ class Exploration:
             # NetCDF has no complex numbers.
             data = data.assign(multiplier_real=data.multiplier.real, multiplier_imag=data.multiplier.imag)
             data.drop_vars("multiplier").to_netcdf(folder / f"{name}.nc", engine="scipy")
+
+
+def _plain(region: Region) -> dict[str, Any]:
+    """Return a region as numbers and strings, fit for JSON."""
+    outlines = [
+        {"Omega": loop.Omega.tolist(), "eps": loop.eps.tolist(), "kind": loop.kind.tolist()} for loop in region.outlines
+    ]
+    return {"label": region.label, "explained": region.explained, "tip": list(region.tip), "outlines": outlines}
 
 
 def explore(
@@ -96,7 +113,7 @@ def explore(
     n_jobs: int = -1,
     progress: bool = False,
 ) -> Exploration:
-    """Integrate a window and lay the analytic curves over it.
+    """Integrate a window, trace its regions and lay the analytic curves over them.
 
     Parameters
     ----------
@@ -131,7 +148,8 @@ def explore(
     chart = stability_chart(
         family, np.linspace(*window, columns), np.linspace(0, eps_max, rows), n_jobs=n_jobs, progress=progress
     )
-    return Exploration(title, chart, curves, order, remark)
+    regions = trace_regions(family, window, (0.0, eps_max), n_jobs=n_jobs, progress=progress)
+    return Exploration(title, chart, curves, regions, order, remark)
 
 
 def analytic_curves(

@@ -37,9 +37,10 @@ from bokeh.plotting import figure
 from bokeh.resources import INLINE
 
 from compare.exploration import Exploration
+from compare.outlines import closed
 from compare.overlay import BLUE, GREEN, GREY, ORANGE, PURPLE
 from compare.response import Response
-from floquet import Kind, StabilityChart
+from floquet import Kind, Region, StabilityChart
 from perturb import TransitionCurve
 
 SCRIPT = (Path(__file__).parent / "page.js").read_text(encoding="utf-8")
@@ -56,6 +57,7 @@ KIND_NAMES = {
     Kind.MINUS_ONE: "unstable, multiplier near −1",
     Kind.COMPLEX: "unstable, complex pair",
 }
+UNEXPLAINED = "no resonance explains it"
 CURVE_POINTS = 121
 # A label takes this part of the window's width; regions narrower than the other part get none, nor those that find no
 # place on these lines (the curve under the pointer tells its name).
@@ -78,6 +80,7 @@ class Page:
     def __init__(self, title: str, hint: str) -> None:
         self.cells = ColumnDataSource(_cell_data(None), name="cells")
         self.curves = ColumnDataSource({"xs": [], "ys": [], "label": []}, name="curves")
+        self.outlines = ColumnDataSource({"xs": [], "ys": [], "label": []}, name="outlines")
         self.labels = ColumnDataSource({"x": [], "y": [], "text": []}, name="labels")
         self.points = ColumnDataSource(_point_data([]), name="points")
         self.heading = Div(text="", styles=STYLE, margin=(8, 10, 0, 10))
@@ -107,6 +110,7 @@ class Page:
         unstable = chart.growth_rate[chart.kind > Kind.STABLE]
         self._growth_colours.high = float(unstable.max()) if unstable.size else 1.0
         self.curves.data = _curve_data(exploration.curves, chart)
+        self.outlines.data = _outline_data(exploration.regions)
         self.labels.data = _label_data(exploration.curves, chart)
         self._curve_item.label = value(f"multiple scales, order {exploration.order}")
 
@@ -174,6 +178,7 @@ class Page:
         )
         plot.add_layout(growth_bar, "right")
         plot.add_layout(kind_bar, "right")
+        outlines = plot.multi_line("xs", "ys", source=self.outlines, color="black", width=1.2)
         curves = plot.multi_line("xs", "ys", source=self.curves, color=ORANGE, width=1.8, dash=[6, 4])
         labels = plot.text(
             "x", "y", "text", source=self.labels, color="#222", font_size="13px", align="center", baseline="top",
@@ -187,6 +192,7 @@ class Page:
         plot.add_layout(
             Legend(
                 items=[
+                    LegendItem(label="Floquet boundary (traced)", renderers=[outlines]),
                     self._curve_item,
                     LegendItem(label="region labels", renderers=[labels]),
                     LegendItem(label="undecided", renderers=[undecided]),
@@ -215,7 +221,8 @@ class Page:
                 formatters={"$x": place, "$y": place, "@verdict": kind_name, "@rate": "printf", "@error": "printf"},
             )
         )
-        plot.add_tools(HoverTool(renderers=[curves], tooltips=[("theory", "@label")], attachment="left"))
+        for lines, name in ((curves, "theory"), (outlines, "traced")):
+            plot.add_tools(HoverTool(renderers=[lines], tooltips=[(name, "@label")], attachment="left"))
         self._choice = RadioButtonGroup(labels=["growth rate", "kind of instability"], active=0, margin=(6, 10, 0, 10))
         self._choice.js_on_change(
             "active",
@@ -305,6 +312,15 @@ def _curve_data(curves: Sequence[TransitionCurve], chart: StabilityChart) -> dic
             ys.append(eps)
             names.append(curve.label)
     return {"xs": xs, "ys": ys, "label": names}
+
+
+def _outline_data(regions: Sequence[Region]) -> dict[str, Any]:
+    pairs = [(region.label or UNEXPLAINED, loop) for region in regions for loop in region.outlines]
+    return {
+        "xs": [closed(loop.Omega) for _, loop in pairs],
+        "ys": [closed(loop.eps) for _, loop in pairs],
+        "label": [label for label, _ in pairs],
+    }
 
 
 def _label_data(curves: Sequence[TransitionCurve], chart: StabilityChart) -> dict[str, Any]:

@@ -150,6 +150,9 @@ def _chart(subject: Subject, options: argparse.Namespace, folder: Path) -> None:
     )
     remarks = " ".join(filter(None, (result.audit, result.remark)))
     print(remarks)
+    for region in result.regions:
+        Omega, eps = region.tip
+        print(f"  {region.label or 'unexplained':<24} from Ω = {Omega:.5g}, ε = {eps:.3g}")
     result.write(folder, subject.name, netcdf=options.netcdf)
     if options.html:
         page = _bokeh("--html").Page(subject.title, "Click the chart: the nearest computed point is shown.")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -90,7 +91,11 @@ def test_what_is_written_can_be_read_again(tmp_path: Path) -> None:
     result = explore(mathieu(1.0, 0.05), (1.0, 3.0), 0.5, points=(16, 8), title="Mathieu", n_jobs=1)
     result.write(tmp_path, "mathieu", netcdf=True)
     pictures = ["mathieu-chart.png", "mathieu-overlay.pdf", "mathieu-overlay.png"]
-    assert sorted(path.name for path in tmp_path.iterdir()) == [*pictures, "mathieu.nc", "mathieu.npz"]
+    others = ["mathieu-regions.json", "mathieu.nc", "mathieu.npz"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [*pictures, *others]
+    regions = json.loads((tmp_path / "mathieu-regions.json").read_text(encoding="utf-8"))
+    assert [region["label"] for region in regions] == ["2ω₁"]
+    assert regions[0]["tip"] == pytest.approx([2.0, 2 * 0.05], rel=0.02)  # closed below 2 omega damping
     np.testing.assert_array_equal(StabilityChart.load(tmp_path / "mathieu.npz").kind, result.chart.kind)
     with xarray.open_dataset(tmp_path / "mathieu.nc", engine="scipy") as data:
         np.testing.assert_array_equal(data.growth_rate, result.chart.growth_rate)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -12,9 +11,9 @@ import pytest
 
 from compare.matrices import save_system
 from floquet import StabilityChart, stability_chart
+from floquet_scripts import explore
 from periodic.examples import coupled_mathieu, mathieu
 
-ROOT = Path(__file__).resolve().parents[2]
 CASE = """
 title = "two plates"
 regions = [[1, 1]]
@@ -38,11 +37,6 @@ Run = Callable[..., tuple[int, str, str]]
 @pytest.fixture
 def run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Run:
     """Run the script's main in a folder of its own; return exit status, output and error output."""
-    spec = importlib.util.spec_from_file_location("explore", ROOT / "scripts" / "explore.py")
-    assert spec is not None
-    assert spec.loader is not None
-    script = sys.modules["explore"] = importlib.util.module_from_spec(spec)  # where dataclasses look for it
-    spec.loader.exec_module(script)
     save_system(tmp_path / "pair.npz", coupled_mathieu())
     save_system(tmp_path / "trap.mat", mathieu(-0.3))
     (tmp_path / "two.toml").write_text(CASE, encoding="utf-8")
@@ -50,7 +44,7 @@ def run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Run:
     def run(*arguments: object) -> tuple[int, str, str]:
         given = [str(tmp_path / a) if (tmp_path / str(a)).is_file() else str(a) for a in arguments]
         try:
-            status = script.main(["--output", str(tmp_path / "out"), "--no-progress", "--jobs", "1", *given])
+            status = explore.main(["--output", str(tmp_path / "out"), "--no-progress", "--jobs", "1", *given])
         except SystemExit as stop:  # argparse
             status = int(stop.code or 0)
         captured = capsys.readouterr()
@@ -66,7 +60,14 @@ def _written(tmp_path: Path) -> list[str]:
 def test_a_system_in_a_window_of_ones_own(run: Run, tmp_path: Path) -> None:
     status, said, errors = run("--system", "pair.npz", "--Omega", 2.0, 3.5, "--eps", 1.0, "--points", 20, 10)
     assert (status, errors) == (0, "")
-    assert _written(tmp_path) == ["pair-chart.png", "pair-overlay.pdf", "pair-overlay.png", "pair.npz"]
+    assert _written(tmp_path) == [
+        "pair-chart.png",
+        "pair-overlay.pdf",
+        "pair-overlay.png",
+        "pair-regions.json",
+        "pair.npz",
+    ]
+    assert "ω₁+ω₂" in said
     assert all(name in said for name in _written(tmp_path))
     chart = StabilityChart.load(tmp_path / "out" / "pair.npz")
     expected = stability_chart(coupled_mathieu(), np.linspace(2, 3.5, 20), np.linspace(0, 1, 10), progress=False)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import re
 import shutil
 import socket
@@ -18,6 +17,7 @@ import pytest
 
 from compare.matrices import save_system
 from floquet import StabilityChart, monodromy
+from floquet_scripts import explore
 from periodic.examples import coupled_mathieu
 from plate import MovingPlate
 
@@ -126,9 +126,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("page")
     save_system(folder / "pair.npz", SYSTEM)
     arguments = ["--system", folder / "pair.npz", "--Omega", 1.5, 4.5, "--eps", 1.0, "--points", 48, 24, "--html"]
-    spec = importlib.util.spec_from_file_location("explore", ROOT / "scripts" / "explore.py")
-    explore = sys.modules["explore"] = importlib.util.module_from_spec(spec)  # where dataclasses look for it
-    spec.loader.exec_module(explore)
     assert explore.main([*map(str, arguments), "--output", str(folder / "out"), "--no-progress", "--jobs", "1"]) == 0
     return folder / "out"
 
@@ -185,15 +182,15 @@ def test_a_click_shows_multipliers_and_growing_solution(page: Browser) -> None:
     assert growth == pytest.approx(np.log(np.abs(expected.multipliers[0])), abs=0.03)
 
 
-def test_the_legend_switches_curves_and_labels(page: Browser) -> None:
+def test_the_legend_switches_boundaries_curves_and_labels(page: Browser) -> None:
     def visible() -> list[bool]:
         return page.get("chart", "above[0].items.map((item) => item.renderers[0].visible)")
 
     def click(name: str) -> None:
         next(element for element in page.find(".bk-item") if element.text == name).click()
 
-    assert visible()[:2] == [True, True]
-    for number, name in enumerate(("multiple scales, order 1", "region labels")):
+    assert all(visible())
+    for number, name in enumerate(("Floquet boundary (traced)", "multiple scales, order 1", "region labels")):
         for wanted in (False, True):
             click(name)
             page.wait(lambda number=number, wanted=wanted: visible()[number] is wanted)
