@@ -58,8 +58,8 @@ def block_intervals(block: EffectiveBlock, eps: FloatArray) -> tuple[FloatArray,
     reach = np.sum(strength, axis=-1).max(axis=-1)  # no exponent moves further than this (Gershgorin)
     threshold = COALESCENCE * reach * (np.diagonal(block.powers[0]).real == 0).any()
     steps = np.abs(np.subtract.outer(block.states[:, 1], block.states[:, 1]))
-    window = 3 * reach / steps[steps > 0].min()  # where the pair can be in resonance
-    beyond = 2 * window + 3 * np.abs(block.detuning).max() / steps[steps > 0].min()  # and all others
+    window = 3 * reach / steps[0, 1]  # where the pair can be in resonance
+    beyond = window + 3 * (reach + np.abs(block.detuning).max()) / steps[steps > 0].min()  # where no others can
     x = np.column_stack([-beyond, np.linspace(-window, window, SAMPLES, axis=1), beyond])
     at = _exponents(block, x, eps[:, None], threshold[:, None])
     x, at = _with_exchanges(block, x, eps, threshold, at)

@@ -236,6 +236,16 @@ def test_a_third_state_in_resonance_does_no_harm(detuning: float, states: int) -
     np.testing.assert_allclose(found.growth_rate(Omega, eps), exact, atol=0.2 * eps**3)
 
 
+def test_a_state_that_is_hardly_coupled_does_not_join() -> None:
+    """Unless it is as much nearer: blocks stay small, and the error does too."""
+    zero, eps = np.zeros((2, 2)), 0.08
+    for detuning, states in ((0.04, 2), (1e-4, 4)):
+        K = np.diag([1.0, 9.0 * (1 + detuning) ** 2])
+        system = PeriodicSystem(np.eye(2), zero, zero, K, [[[1.0, 0.02], [0.02, 1.0]]])
+        assert len(curves(system)["2ω₁"].resonance.block.states) == states
+        assert gaps(system, "2ω₁", np.array([eps]), cut=8)[0] < 0.1 * eps**3
+
+
 def test_gap_of_a_block_is_of_third_order() -> None:
     zero, eps = np.zeros((2, 2)), np.array([0.04, 0.02, 0.01])
     for detuning in (0.0, 0.02):
