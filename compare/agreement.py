@@ -230,7 +230,7 @@ def _verdict(
     wanted = order + 1
     if not predicted.any():
         if not found.any():
-            return True, "closed by theory, and integration finds no instability"
+            return True, f"closed by theory up to eps = {eps[-1]:g}, and integration finds no instability"
         growth = fitted_order(eps, traced[1] - traced[0])
         if growth >= wanted - ORDER_TOLERANCE:
             return True, f"closed to order {order}; integration finds it open with a width of order {growth:.2f} in eps"

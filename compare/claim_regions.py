@@ -13,7 +13,7 @@ from compare.survey import ClaimRange, skew_loads, some, symmetric_loads
 from perturb import gyroscopic_modes
 from plate import MovingPlate
 
-NO_WIDTH = number("no width", 0.0)
+NO_WIDTH = number("nothing", 0.0)
 # A region whose middle leaves its starting frequency by less than this part of the half width looks straight in a
 # figure.
 STRAIGHT = 0.01
@@ -108,9 +108,7 @@ def boundaries_are_straight(study: ClaimRange) -> ClaimVerdict:
     for eps in study.amplitudes:
         for region in regions(name, plate, eps, modes=study.modes, order=2).values():
             if region.is_open:
-                shift = distance(
-                    middle(region), number("its start", region.curve.centre), f"bend of {region.name} at eps = {eps:g}"
-                )
+                shift = distance(middle(region), number("its start", region.curve.centre), f"bend of {region.name}")
                 allowed = part_of(width(region), STRAIGHT / 2, f"{STRAIGHT:.0%} of its half width")
                 findings.append(Finding(f"straight up to eps = {eps:g}", shift, allowed))
     return judged(
@@ -129,7 +127,7 @@ def nothing_elsewhere(study: ClaimRange) -> ClaimVerdict:
     for damping, eps in product((0.0, *study.dampings), study.amplitudes):
         where = f"c = {damping:g}, eps = {eps:g}"
         plate = replace(elastic, damping=damping)
-        found = regions(f"{name}, {where}", plate, eps, modes=study.modes, order=2, interaction=2)
+        found = regions(f"{name}, c = {damping:g}", plate, eps, modes=study.modes, order=2, interaction=2)
         findings += [Finding(where, width(region), NO_WIDTH) for region in found.values()]
     return judged(
         "Nothing grows elsewhere",

@@ -35,7 +35,7 @@ class Verdict(StrEnum):
 
 @dataclass(frozen=True, eq=False)
 class Finding:
-    """One instance of a claim: ``left`` is smaller than ``right``, or within ``tolerance`` of it.
+    """One instance of a claim: ``left`` is no larger than ``right``, or within ``tolerance`` of it.
 
     Attributes
     ----------
@@ -43,8 +43,7 @@ class Finding:
         The part of the claim that it belongs to.
     left, right : Quantity
     tolerance : float or None
-        None: the claim says left < right (or that left is 0, where right is). A number: the claim says that they are
-        equal within this part of right.
+        None: the claim says left <= right. A number: the claim says that they are equal within this part of the larger.
     """
 
     group: str
@@ -60,6 +59,11 @@ class Finding:
         if self.tolerance is None:
             return (right - left) / scale
         return self.tolerance - abs(right - left) / scale
+
+    @property
+    def relation(self) -> str:
+        """What the claim says of left and right."""
+        return "≤" if self.tolerance is None else f"within {100 * self.tolerance:g} % of"
 
     @cached_property
     def predicted_margin(self) -> float:
