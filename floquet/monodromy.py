@@ -25,7 +25,7 @@ HALVINGS = 3  # of the step, while that helps
 PROBES = 8  # solutions that are integrated again with half the step, and with series as long as float64 can use:
 FINEST = np.finfo(float).eps / 16
 # What a term costs: a call, and 2 floating-point operations an entry at a moderate speed. Longer than this is refused.
-SECONDS_A_TERM, SECONDS_A_FLOP, MOST_SECONDS = 2e-6, 1e-10, 900.0
+SECONDS_A_TERM, SECONDS_A_FLOP, MOST_SECONDS = 2e-6, 1e-10, 300.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +92,7 @@ def monodromy(system: SystemFamily, Omega: float, eps: float, *, tolerance: floa
     ------
     ValueError
         If an argument is of the wrong type, not finite or out of range; if the solution grows by more than a factor of
-        1e150 in one period; if the period is so long that the integration would take a quarter of an hour.
+        1e150 in one period; if the period is so long that the integration would take more than five minutes.
 
     Notes
     -----
@@ -110,7 +110,7 @@ def monodromy(system: SystemFamily, Omega: float, eps: float, *, tolerance: floa
     maps = [period_map(block, Omega, eps, tolerance) for block in blocks]
     joint = combine(
         [
-            spectrum(found.matrix, found.error, reciprocal=block.reciprocal, form=block.form)
+            spectrum(found.matrix, found.error, reciprocal=block.reciprocal, bounded=block.bounded, form=block.form)
             for block, found in zip(blocks, maps, strict=True)
         ]
     )
@@ -204,8 +204,8 @@ def propagate(
     seconds = steps * TERMS * (SECONDS_A_TERM + 2 * block.equations.S.size * columns * SECONDS_A_FLOP)
     if seconds > MOST_SECONDS:
         raise ValueError(
-            f"Omega = {Omega!r} means {steps} steps in one period, about {seconds:.0f} s at eps = {eps!r}; "
-            f"give Omega above {Omega * seconds / MOST_SECONDS:.3g}"
+            f"Omega = {Omega!r} at eps = {eps!r} means {steps:.2g} steps in one period, about {seconds:.2g} s; "
+            "give a larger Omega or a smaller eps"
         )
     y1, y2 = start[:m].copy(), start[m:].copy()
     local = max(0.1 * tolerance / steps, FINEST)

@@ -44,7 +44,9 @@ class Spectrum(NamedTuple):
     kind: Kind
 
 
-def spectrum(Phi: FloatArray, error: float, *, reciprocal: bool, form: FloatArray | None = None) -> Spectrum:
+def spectrum(
+    Phi: FloatArray, error: float, *, reciprocal: bool, bounded: bool = False, form: FloatArray | None = None
+) -> Spectrum:
     """Judge a monodromy matrix.
 
     Parameters
@@ -57,6 +59,8 @@ def spectrum(Phi: FloatArray, error: float, *, reciprocal: bool, form: FloatArra
         True if with mu also 1/conj(mu) is a multiplier, as for conservative and for reversible systems. Then a simple
         multiplier cannot leave the unit circle alone, and stable means that all lie on it; else stable means that all
         lie inside.
+    bounded : bool
+        True if a positive definite energy is conserved: nothing grows, even where multipliers meet.
     form : ndarray, shape (N, N), optional
         Skew-symmetric matrix that ``Phi`` conserves, Phi^T form Phi = form. It tells apart multipliers that can leave
         the unit circle where they meet from those that cannot (M. G. Krein's signature).
@@ -93,10 +97,10 @@ def spectrum(Phi: FloatArray, error: float, *, reciprocal: bool, form: FloatArra
     down = max(shift[top], min(first_order[top], 0.5 * distance[top].min()))
     lower = -np.log1p(-min(down / modulus[top], 0.5))
     log_error = float(max(upper, lower))
-    if log_modulus > log_error:
+    if log_modulus > log_error and not bounded:
         kind = _kind(mu[top], shift[top])
     elif reciprocal:
-        held = _held(Phi, mu, first_order, distance, crowded, form)
+        held = bounded or _held(Phi, mu, first_order, distance, crowded, form)
         kind = Kind.STABLE if held else Kind.UNDECIDED
         if held:
             mu = mu / modulus

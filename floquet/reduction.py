@@ -38,6 +38,8 @@ class Reduction(NamedTuple):
         Norm of all couplings and asymmetries dropped, as a coefficient matrix of y, per unit of time.
     reciprocal : bool
         True if with mu also 1/conj(mu) is a multiplier: the block is conservative or reversible.
+    bounded : bool
+        True if the block conserves a positive definite energy: conservative, not excited, with positive stiffness.
     form : ndarray, shape (2m, 2m), or None
         For a conservative block the skew-symmetric form that its motion conserves.
     """
@@ -48,6 +50,7 @@ class Reduction(NamedTuple):
     rate: float
     neglected: float
     reciprocal: bool
+    bounded: bool
     form: FloatArray | None
 
 
@@ -149,6 +152,7 @@ def _reduce(matrices: FloatArray, basis: FloatArray, slowest: float) -> Reductio
     # Rayleigh quotients: eigh gives every eigenvalue to rounding of the largest; for a graded stiffness, as of a Ritz
     # basis, these are good to their own rounding
     k = np.einsum("ij,ij->j", modes, K @ modes) / np.einsum("ij,ij->j", modes, M @ modes)
+    conservative = symmetric and not C.any()
     damping = modes.T @ (G + C) @ modes
     asymmetry = modes.T @ skew @ modes
     excitation = modes.T @ forces[1:] @ modes
@@ -171,8 +175,9 @@ def _reduce(matrices: FloatArray, basis: FloatArray, slowest: float) -> Reductio
         equations=equations,
         rate=_rate(equations),
         neglected=float(np.linalg.norm(asymmetry, axis=(1, 2)).sum()) if symmetric else 0.0,
-        reciprocal=not C.any() and (symmetric or not (G.any() or sines.any())),
-        form=_symplectic_form(w, damping) if symmetric and not C.any() else None,
+        reciprocal=conservative or not (C.any() or G.any() or sines.any()),
+        bounded=conservative and not excitation.any() and bool((k > 0).all()),
+        form=_symplectic_form(w, damping) if conservative else None,
     )
 
 

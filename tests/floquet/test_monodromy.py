@@ -269,7 +269,7 @@ def test_family_is_taken_at_its_frequency():
         ({"eps": 1j}, "eps = 1j"),
         ({"tolerance": 0.0}, "tolerance = 0.0"),
         ({"tolerance": 0.1}, "tolerance = 0.1 is out of range"),
-        ({"Omega": 1e-9}, "give Omega above"),
+        ({"Omega": 1e-9}, "give a larger Omega"),
         ({"Omega": 1e-3, "eps": 10.0}, "grows by more than 1e"),
     ],
 )

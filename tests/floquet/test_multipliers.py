@@ -208,6 +208,17 @@ def test_known_verdicts(system, Omega, eps, kind):
     assert monodromy(system, Omega, eps).kind == kind
 
 
+@pytest.mark.parametrize("Omega", [2.0, 1.0, 0.4, 1.3])
+def test_what_is_not_excited_is_stable_even_at_resonance(Omega):
+    for system in (mathieu(), gyroscopic_rotor((1.0, 1.0), 0.3)):
+        found = monodromy(system, Omega, 0.0)
+        assert found.kind == Kind.STABLE
+        assert found.growth_rate == 0.0
+    assert monodromy(mathieu(-1.0), Omega, 0.0).kind == Kind.PLUS_ONE
+    # above its critical speeds the stiffness is negative and gyroscopic forces alone keep the rotor up
+    assert monodromy(gyroscopic_rotor((4.0, 4.0), 3.0), 1.3, 0.0).kind == Kind.STABLE
+
+
 def test_two_equal_oscillators_are_not_undecided():
     one = mathieu()
     arrays = (one.mass, one.gyroscopic, one.damping, one.stiffness, one.cosine)
