@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from floquet.coordinates import Block, blocks, equations
 from floquet.doubling import TOLERANCE, Scale
-from floquet.lanes import WIDTH
 from floquet.sampling import Sampler, Workspace
 from floquet.spectra import eigenvalues
 from floquet.symplectic import reciprocal_pairs, symplectic_eigenvalues
@@ -118,8 +117,7 @@ def _needed_steps(block: Block, Omega: float, eps: FloatArray, work: Workspace) 
 
 def fastest(block: Block, Omega: float, eps: FloatArray) -> float:
     """Return the rate of the fastest motion: of the system at its stiffest, or of the excitation."""
-    stiffness = np.abs(eps).max() * np.linalg.norm(np.concatenate([block.Fc, block.Fs]), axis=(1, 2)).sum()
-    return max(math.sqrt(block.rate**2 + stiffness), len(block.Fc) * Omega)
+    return max(math.sqrt(block.rate**2 + np.abs(eps).max() * block.modulation), len(block.Fc) * Omega)
 
 
 def least_frequency(Omega: float) -> float:
@@ -137,16 +135,9 @@ def multipliers(sampler: Sampler, eps: FloatArray, L: int, tolerance: float) -> 
     solve = symplectic_eigenvalues if sampler.block.symplectic else eigenvalues
     parts, scales = [], []
     for panel in sampler.panels(eps, L, tolerance):
-        parts.append(solve(panel.samples, lane_weights(panel.weights))[: len(panel.weights)])
+        parts.append(solve(panel.samples, panel.weights)[: panel.scale.exponents.size])
         scales.append(panel.scale)
     return np.concatenate(parts), Scale(*(np.concatenate(part) for part in zip(*scales, strict=True)))
-
-
-def lane_weights(weights: FloatArray) -> FloatArray:
-    """Return ``weights`` (k, m) in groups of eight cells, (groups, m, 8); the last cell is repeated to fill the last
-    group."""
-    padded = np.concatenate([weights, np.repeat(weights[-1:], -len(weights) % WIDTH, axis=0)])
-    return np.ascontiguousarray(padded.reshape(-1, WIDTH, weights.shape[1]).transpose(0, 2, 1))
 
 
 def _tested(eps: FloatArray) -> list[int]:

@@ -29,6 +29,8 @@ class Block:
     Fc, Fs : ndarray, shape (J, b, b)
     rate : float
         Largest modulus of an eigenvalue of the free motion.
+    modulation : float
+        Bound on the norm of F(t).
     symplectic : bool
         No damping, all stiffness symmetric: the block is a Hamiltonian system.
     reversible : bool
@@ -42,6 +44,7 @@ class Block:
     Fc: FloatArray
     Fs: FloatArray
     rate: float
+    modulation: float
     symplectic: bool
     reversible: bool
 
@@ -88,6 +91,7 @@ def _block(system: PeriodicSystem, matrices: FloatArray, V: FloatArray) -> Block
         Fc,
         Fs,
         rate=float(np.abs(np.linalg.eigvals(free)).max()),
+        modulation=float(np.linalg.norm(F, axis=(1, 2)).sum()),
         symplectic=symmetric and not damped,
         reversible=not damped and not G.any() and not Fs.any(),
     )

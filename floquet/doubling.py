@@ -179,8 +179,10 @@ def double(
     for i in range(result.shape[0]):
         for a in range(m):
             np.dot(end[stride * i + offset, a], begin[stride * i, a], result[i, a])
-    if second.size == 0:
-        note_cancellation(end[1::2], begin[0::2], result, scale)
+            if second.size == 0:
+                k = a * scale.losses.size // m
+                loss = cancellation(end[stride * i + offset, a], begin[stride * i, a], result[i, a])
+                scale.losses[k] = max(scale.losses[k], loss)
 
 
 @njit(cache=True, nogil=True)
@@ -200,12 +202,8 @@ def rescale(P: FloatArray, scale: Scale) -> None:
 
 
 @njit(cache=True, nogil=True)
-def note_cancellation(A: FloatArray, B: FloatArray, AB: FloatArray, scale: Scale) -> None:
-    """Raise the losses to |A| |B| / |A B|, all (p, m, N, N), where that is larger; 1 for rotations."""
-    losses = scale.losses
-    p, m, N = AB.shape[0], AB.shape[1], AB.shape[2]
-    for i in range(p):
-        for a in range(m):
-            sizes = np.linalg.norm(A[i, a]) * np.linalg.norm(B[i, a]) / np.sqrt(N)
-            k = a * losses.size // m
-            losses[k] = max(losses[k], sizes / max(np.linalg.norm(AB[i, a]), 1.0 / LARGE))
+def cancellation(A: FloatArray, B: FloatArray, AB: FloatArray) -> float:
+    """Return |A| |B| / |A B|, all (N, N); 1 for rotations."""
+    N = A.shape[0]
+    a, b, ab = A.reshape(N * N), B.reshape(N * N), AB.reshape(N * N)
+    return np.sqrt(np.dot(a, a) * np.dot(b, b) / (N * max(np.dot(ab, ab), LARGE**-2)))

@@ -5,12 +5,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from floquet.coordinates import Block, Equations
-from floquet.doubling import Scale, Schedule, doublings, note_cancellation, quantised, rescale, schedule, unit_scale
+from floquet.doubling import Scale, Schedule, cancellation, doublings, quantised, rescale, schedule, unit_scale
 from floquet.interpolation import chebyshev_points, chebyshev_weights, trigonometric_weights
 from floquet.kernels import single_steps
 from floquet.lanes import WIDTH
@@ -25,7 +26,10 @@ FACTORS = 64  # of a long product that are multiplied pairwise, the others one a
 
 
 class Panel(NamedTuple):
-    """Monodromy matrices at the amplitudes eps[cells]: weights (cells, m) @ samples (m, N, N), at the given scale."""
+    """Monodromy matrices at the amplitudes eps[cells]: combinations of ``samples`` (m, N, N) at the given scale.
+
+    ``weights`` (groups, m, 8) are those of eight cells at a time; the last cell is repeated to fill the last group.
+    """
 
     cells: slice
     samples: FloatArray
@@ -81,7 +85,7 @@ class Sampler:
         sizes = np.linalg.norm(samples, axis=(1, 2))
         if not sizes.max() <= MOST_CONTRAST * sizes.min():
             return None
-        weights = chebyshev_weights(len(samples), (eps - middle) / radius)
+        weights = _interpolation(len(samples), ((eps - middle) / radius).tobytes())
         return Panel(slice(0), samples, weights, Scale(*(np.repeat(part, len(eps)) for part in scale)))
 
     def _direct(self, eps: FloatArray, L: int, tolerance: float) -> Panel | None:
@@ -98,7 +102,7 @@ class Sampler:
         P = self._sample(plan, eps, L, stop, scale)
         if stop < L:
             P, scale = self._ordered_product(P, 2 ** (L - stop), growth, scale)
-        return Panel(slice(0), P[0], np.eye(len(eps)), scale)
+        return Panel(slice(0), P[0], in_lanes(np.eye(len(eps))), scale)
 
     def _fits(self, matrices: int, growth: float) -> bool:
         return matrices * self.size**2 <= MOST_ENTRIES and growth <= MOST_FACTOR
@@ -137,8 +141,20 @@ class Sampler:
             part = Scale(scale.exponents.copy(), scale.losses)
             part_product = doublings(factors, some, some, np.empty(0), missing, part, work)
             before, product = product, part_product @ product
-            note_cancellation(part_product, before, product, part)
+            loss = cancellation(part_product[0, 0], before[0, 0], product[0, 0])
+            total.losses[0] = max(total.losses[0], part.losses[0], loss)
             total.exponents[:] += part.exponents
-            total.losses[:] = np.maximum(total.losses, part.losses)
             rescale(product, total)
         return product, total
+
+
+@lru_cache(maxsize=64)
+def _interpolation(m: int, x: bytes) -> FloatArray:
+    """Return the weights of a panel with m Chebyshev points for the amplitudes ``x``, scaled to [-1, 1]."""
+    return in_lanes(chebyshev_weights(m, np.frombuffer(x)))
+
+
+def in_lanes(weights: FloatArray) -> FloatArray:
+    """Return ``weights`` (cells, m) of eight cells at a time, (groups, m, 8); the last cell fills the last group."""
+    padded = np.concatenate([weights, np.repeat(weights[-1:], -len(weights) % WIDTH, axis=0)])
+    return np.ascontiguousarray(padded.reshape(-1, WIDTH, weights.shape[1]).transpose(0, 2, 1))

@@ -37,12 +37,18 @@ def symplectic_eigenvalues(samples: FloatArray, weights: FloatArray) -> NDArray[
     return result
 
 
+@njit(cache=True, nogil=True)
 def reciprocal_pairs(s: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """Return the multipliers mu, 1/mu with mu + 1/mu = s, shape from shape (..., n) to (..., 2n)."""
-    half = s / 2
-    root = np.sqrt(half - 1) * np.sqrt(half + 1)
-    mu = half + np.where((half.conj() * root).real >= 0, root, -root)
-    return np.concatenate([mu, 1 / mu], axis=-1)
+    """Return the multipliers mu, 1/mu with mu + 1/mu = s, from shape (k, n) to (k, 2n)."""
+    k, n = s.shape
+    mu = np.empty((k, 2 * n), np.complex128)
+    for c in range(k):
+        for i in range(n):
+            half = 0.5 * s[c, i]
+            root = np.sqrt(half - 1.0) * np.sqrt(half + 1.0)
+            larger = half + root if (half.conjugate() * root).real >= 0.0 else half - root
+            mu[c, i], mu[c, n + i] = larger, 1.0 / larger
+    return mu
 
 
 @njit(cache=True, nogil=True)

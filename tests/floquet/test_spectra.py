@@ -164,6 +164,6 @@ def test_no_excitation_stays_exactly_on_the_circle():
 
 def test_reciprocal_pairs():
     mu = np.array([3.0, -0.2, 0.5 + 0.1j, np.exp(0.4j), 1e9, 1.0])
-    pairs = reciprocal_pairs(mu + 1 / mu)
+    pairs = reciprocal_pairs((mu + 1 / mu)[None])[0]
     assert distance(pairs, np.concatenate([mu, 1 / mu])) < 1e-7  # the double one at 1 is good to the root of rounding
     assert (pairs[:6] * pairs[6:]) == pytest.approx(1, abs=1e-14)
