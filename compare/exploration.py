@@ -26,6 +26,8 @@ STIFFNESS_CHANGE, OVERCOMING = 0.5, 5.0
 RIGID = 1e-6
 # More columns or rows than any screen has; keeps a slip from filling the memory.
 MOST_POINTS = 10_000
+# Regions that start beside the window, by this part of its width, may lean into it.
+NEIGHBOURS = 0.25
 # Values of eps at which a curve is looked at to see whether it is open anywhere in the window.
 CURVE_POINTS = 65
 
@@ -156,17 +158,19 @@ def analytic_curves(
     family: SystemFamily, window: tuple[float, float], eps_max: float, order: int
 ) -> tuple[list[TransitionCurve], str]:
     """Return the curves open somewhere in the window, or none and a sentence that says why there is no theory."""
+    low, high = window
+    beside = NEIGHBOURS * (high - low)
     try:
-        curves = transition_curves(family, window, order=order)
+        curves = transition_curves(family, (max(low - beside, 0.0), high + beside), order=order)
     except ValueError as error:  # the window has been checked: it is the system that the theory refuses
         return [], f"The analytic curves are left out: {error}."
-    return [curve for curve in curves if is_open(curve, eps_max)], ""
+    return [curve for curve in curves if _enters(curve, window, eps_max)], ""
 
 
-def is_open(curve: TransitionCurve, eps_max: float) -> bool:
-    """Whether theory finds the region open, with a width, at some eps up to ``eps_max``."""
+def _enters(curve: TransitionCurve, window: tuple[float, float], eps_max: float) -> bool:
+    """Whether theory finds the region open, with a width, somewhere in the window."""
     lower, upper = curve.edges(np.linspace(0, eps_max, CURVE_POINTS))
-    return bool((upper > lower).any())
+    return bool(((upper > lower) & (upper > window[0]) & (lower < window[1])).any())
 
 
 def default_window(system: PeriodicSystem) -> tuple[tuple[float, float], float]:

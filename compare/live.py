@@ -89,6 +89,9 @@ class LivePage:
         self._page = Page(title, HINT)
         self._page.tell("computing the first chart …")
         self._page.frame(state.Omega, state.eps)
+        # Further down a chart would take minutes, since periods grow long.
+        self._page.figure.x_range.bounds = (state.Omega[0] / ZOOM_REACH, state.Omega[1] * ZOOM_REACH)
+        self._page.figure.y_range.bounds = (0.0, max(state.eps[1], MOST_EPS))
         self._page.figure.on_event(RangesUpdate, self._zoomed)
         self._page.figure.on_event(Tap, lambda event: self._choose(event.x, event.y))
         controls = _controls(state.source, self._set) if isinstance(state.source, Plate) else []
@@ -103,11 +106,9 @@ class LivePage:
             self._change(replace(self._state, source=varied(plate, name, value)))
 
     def _zoomed(self, event: RangesUpdate) -> None:
-        least = 1e-3 * self._state.Omega[1]
-        window = max(event.x0, least), max(event.x1, 2 * least)
-        eps = max(event.y0, 0.0), max(event.y1, 1e-6)
-        if not np.allclose((*window, *eps), (*self._state.Omega, *self._state.eps), rtol=1e-6, atol=0.0):
-            self._change(replace(self._state, Omega=window, eps=eps))
+        state = replace(self._state, Omega=(event.x0, event.x1), eps=(event.y0, event.y1))
+        if not np.allclose((*state.Omega, *state.eps), (*self._state.Omega, *self._state.eps), rtol=1e-6, atol=0.0):
+            self._change(state)
 
     def _change(self, state: State) -> None:
         """Take over a new state; what is being computed for the old one will be dropped."""
@@ -121,9 +122,9 @@ class LivePage:
             self._points.submit(self._work, self._state, partial(self._compute_point, Omega=Omega, eps=max(eps, 0.0)))
 
     def _close(self) -> None:
+        self._state = replace(self._state)  # makes the state that is being worked on an old one
         for executor in (self._charts, self._points):
             executor.shutdown(wait=False, cancel_futures=True)
-        self._state = replace(self._state)  # makes the state that is being worked on an old one
 
     # From here on in the worker threads, which read `_state` but change nothing that the page shows.
 
@@ -247,7 +248,13 @@ def _controls(plate: Plate, change: Callable[[str, Any], None]) -> list[LayoutDO
         ),
         "harmonics": ("harmonics", 1, max(MOST_HARMONICS, now["harmonics"]), 1, "0"),
     }
-    waveform = Select(title="waveform", value=now["waveform"], options=[*WAVEFORMS], width=100, name="waveform")
+    waveform = Select(
+        title="waveform",
+        value=now["waveform"],
+        options=sorted({*WAVEFORMS, now["waveform"]}),
+        width=100,
+        name="waveform",
+    )
     waveform.on_change("value", lambda _, old, new: change("waveform", new))
     widgets: list[LayoutDOM] = []
     for name, (title, start, end, step, format) in sliders.items():

@@ -28,4 +28,4 @@ def draw_outlines(figure: Figure, chart: StabilityChart, regions: Sequence[Regio
         for loop in region.outlines:
             axes.plot(closed(loop.Omega), closed(loop.eps), color="black", lw=LINE_WIDTH, zorder=3)
     figure.legends[0].remove()
-    figure.legend(handles=legend_handles(chart, True), loc="outside lower center", ncols=4)
+    figure.legend(handles=legend_handles(chart, True), loc="outside lower center", ncols=4, frameon=False)

@@ -63,7 +63,7 @@ def current(plate: Plate) -> dict[str, Any]:
     """Return the value of everything that `varied` changes, class defaults included."""
     built = plate.build()
     width = plate.load.parameters.get("width", 1.0) if plate.load.shape == "partial" else 1.0
-    waveform = plate.load.waveform if isinstance(plate.load.waveform, str) else "cosine"
+    waveform = plate.load.waveform if isinstance(plate.load.waveform, str) else "custom"
     return {name: getattr(built, name) for name in NUMBERS} | {
         "width": width,
         "waveform": waveform,

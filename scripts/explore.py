@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from dataclasses import dataclass, replace
 from importlib import import_module
@@ -117,7 +118,7 @@ def _subject(options: argparse.Namespace) -> Subject:
             others = ", ".join(repr(variant.label) for variant in case.variants[1:])
             print(f"this is {label!r}; --variant takes also {others}")
         title = ", ".join(filter(None, (case.title, label)))
-        name = "-".join([case.name, *label.split()]).replace("/", "-")
+        name = re.sub(r"[^\w.]+", "-", f"{case.name} {label}".strip())
         window, eps, points = case.chart.Omega, case.chart.eps, case.chart.points
         subject = Subject(name, title, table, window, eps, points, case.regions)
     elif options.system:
