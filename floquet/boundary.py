@@ -18,8 +18,10 @@ from periodic.checks import FloatArray, real_array, real_number
 
 # Edges are found to this part of Omega; regions narrower than ten times that count as closed.
 RESOLUTION = 1e-10
-# Relative change of stiffness (norm of eps F in energy coordinates) between two stations of the continuation in eps.
+# Relative change of stiffness (norm of eps F in energy coordinates) between two stations of the continuation in eps,
+# and how many there may be: a hundred times the stiffness is far beyond any separate region.
 STATION = 0.25
+MOST_STATIONS = 400
 # Most points on the way to the middle of a region, and to bracket an edge. A parabola needs about 6 and 3.
 MOST_TRIALS = 40
 # What f may differ from zero by at an edge, compared with its value inside.
@@ -110,6 +112,11 @@ def trace_boundary(family: SystemFamily, near: float, eps: ArrayLike) -> Boundar
         raise ValueError(f"eps has the entry {float(amplitudes.min())!r}; give amplitudes >= 0")
     resonance = nearest_resonance(member_at(family, near, "family"), near)
     route = _Route(family, resonance)
+    if amplitudes.max() > MOST_STATIONS * route.spacing:
+        raise ValueError(
+            f"eps has the entry {float(amplitudes.max())!r}, which changes the stiffness by a factor of "
+            f"{amplitudes.max() * route.pair.strength:.3g}; give amplitudes below {MOST_STATIONS * route.spacing:.3g}"
+        )
     found = [route.edges(float(amplitude)) for amplitude in amplitudes]
     kind = np.array([k for k, _ in found], dtype=np.int8)
     edges = np.array([e for _, e in found])

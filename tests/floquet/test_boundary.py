@@ -341,6 +341,11 @@ def test_no_excitation_no_region():
         ({"eps": [0.1, math.nan]}, "eps has the entry nan"),
         ({"eps": "0.1"}, "eps has entries of type"),
         ({"eps": [[0.1]]}, "eps has shape"),
+        ({"eps": [[0.1], [0.1, 0.2]]}, "eps is ragged"),
+        (
+            {"eps": [0.1, 1e9]},
+            r"eps has the entry 1000000000\.0, which changes the stiffness .* give amplitudes below 100",
+        ),
         ({"eps": None}, "eps has entries of type"),
     ],
 )
