@@ -237,13 +237,26 @@ def draw_growth(axes: Axes, chart: StabilityChart | None, *, colour_bar: bool = 
 def draw_traces(
     axes: Axes, traces: Sequence[BoundaryTrace], colour: str = "black", width: float = LINE_WIDTH, fill: bool = False
 ) -> None:
-    """Draw the edges found by integration as solid lines, the region between them shaded on request."""
+    """Draw the edges found by integration as solid lines, the region between them shaded on request.
+
+    A line skips points at which an open region could not be followed, and breaks where the region is closed.
+    """
     for trace in traces:
-        axes.plot(trace.lower, trace.eps, color=colour, lw=width, zorder=3)
-        axes.plot(trace.upper, trace.eps, color=colour, lw=width, zorder=3)
+        closed = trace.kind == Kind.STABLE
+        for edge in (trace.lower, trace.upper):
+            kept = closed | np.isfinite(edge)
+            axes.plot(edge[kept], trace.eps[kept], color=colour, lw=width, zorder=3)
         if fill:
+            kept = closed | np.isfinite(trace.upper - trace.lower)
             axes.fill_betweenx(
-                trace.eps, trace.lower, trace.upper, where=trace.is_open, color=colour, alpha=0.15, lw=0, zorder=1
+                trace.eps[kept],
+                trace.lower[kept],
+                trace.upper[kept],
+                where=~closed[kept],
+                color=colour,
+                alpha=0.15,
+                lw=0,
+                zorder=1,
             )
 
 
@@ -266,6 +279,9 @@ def _curve_eps(curve: TransitionCurve, eps_max: float) -> FloatArray:
 
 def label_regions(axes: Axes, curves: Sequence[TransitionCurve], eps_max: float) -> None:
     """Write the resonance above the upper edge, of as many regions as there is room for: the widest ones."""
+    figure = axes.get_figure(root=True)
+    if figure is not None:
+        figure.draw_without_rendering()  # only the layout knows how wide the axes are
     low, high = axes.get_xlim()
     width_points = axes.get_window_extent().width * 72 / axes.figure.dpi
     inside = [curve for curve in curves if low < curve.centre < high]

@@ -187,3 +187,9 @@ def test_difference_regions_would_be_noticed(monkeypatch: pytest.MonkeyPatch) ->
     verdict = no_difference_regions(replace(SMALL, aspect_ratios=(1.0,), eps=0.0625))  # an eps of its own: no cache
     assert verdict.verdict is Verdict.FAILS
     assert not verdict.is_decided
+
+
+def test_integration_that_contradicts_theory_decides_nothing() -> None:
+    verdict = _judged(_finding("a", 1, 2, measured=3))
+    assert verdict.verdict is Verdict.HOLDS
+    assert not verdict.is_decided
