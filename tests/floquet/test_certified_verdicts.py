@@ -66,8 +66,7 @@ def boundaries(study: Study, eps: float) -> Iterator[float]:
     kinds = [unstable(float(Omega)) for Omega in scan]
     for i in np.flatnonzero(np.diff(kinds)):
         low, high = float(scan[i]), float(scan[i + 1])
-        while high - low > 0.1 * min(DISTANCES) * high:
-            middle = 0.5 * (low + high)
+        while high - low > 0.1 * min(DISTANCES) * high and low < (middle := 0.5 * (low + high)) < high:
             low, high = (middle, high) if unstable(middle) == kinds[i] else (low, middle)
         yield low
 
@@ -120,3 +119,13 @@ def test_verdicts_are_proved(name: str) -> None:
 @pytest.mark.parametrize("name", LARGE)
 def test_many_verdicts_are_proved(name: str) -> None:
     assert compare(LARGE[name], spread=60) > 75
+
+
+@pytest.mark.parametrize("kappa", [0.25, 1.0, -2.0])
+def test_on_a_boundary_nothing_is_decided(kappa: float) -> None:
+    """exp(-kappa cos t) solves x'' + (-kappa^2/2 - kappa cos t + kappa^2/2 cos 2t) x = 0: mu = 1 is double, exactly."""
+    half = kappa**2 / 2
+    system = PeriodicSystem([[1.0]], [[0.0]], [[0.0]], [[-half]], [[[-kappa]], [[half]]])
+    assert certified_growth(system, 1.0, 1.0).verdict is Verdict.UNDECIDED
+    assert monodromy(system, 1.0, 1.0).kind is Kind.UNDECIDED
+    assert stability_chart(system, [1.0], [1.0], n_jobs=1, progress=False).kind[0, 0] == Kind.UNDECIDED
