@@ -87,7 +87,7 @@ def overlay(
         traced = {trace.near for trace in traces if trace.is_open.any()}
         shown = [curve for curve in curves if curve.centre in traced or _is_visible(axes, curve, eps[-1])]
         draw_curves(axes, shown, eps[-1])
-        label_regions(axes, shown, eps[-1])
+        label_regions(figure, axes, shown, eps[-1])
         axes.set_xlabel("excitation frequency Ω")
         axes.set_ylabel("amplitude ε")
         axes.set_title(title, loc="left", pad=30)
@@ -174,7 +174,7 @@ def variant_panels(layers: Sequence[Layer], *, title: str = "") -> Figure:
             draw_traces(axes, [trace for _, trace in opened], fill=True)
             curves = [curve for curve, _ in opened]
             draw_curves(axes, curves, layer.chart.eps[-1])
-            label_regions(axes, curves, layer.chart.eps[-1])
+            label_regions(figure, axes, curves, layer.chart.eps[-1])
             axes.set_title(f"({chr(ord('a') + index)})  {layer.label}", loc="left", pad=26)
             axes.set_ylabel("ε")
         axes.set_xlabel("excitation frequency Ω")
@@ -277,11 +277,9 @@ def _curve_eps(curve: TransitionCurve, eps_max: float) -> FloatArray:
     return curve.tip + (eps_max - curve.tip) * np.linspace(0, 1, 81) ** 2
 
 
-def label_regions(axes: Axes, curves: Sequence[TransitionCurve], eps_max: float) -> None:
+def label_regions(figure: Figure, axes: Axes, curves: Sequence[TransitionCurve], eps_max: float) -> None:
     """Write the resonance above the upper edge, of as many regions as there is room for: the widest ones."""
-    figure = axes.get_figure(root=True)
-    if figure is not None:
-        figure.draw_without_rendering()  # only the layout knows how wide the axes are
+    figure.draw_without_rendering()  # only the layout knows how wide the axes are
     low, high = axes.get_xlim()
     width_points = axes.get_window_extent().width * 72 / axes.figure.dpi
     inside = [curve for curve in curves if low < curve.centre < high]
