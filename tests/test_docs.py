@@ -81,7 +81,7 @@ def test_commands_have_the_options_that_the_pages_use(capsys: pytest.CaptureFixt
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_files_and_tests_that_a_page_names_exist(page: Path) -> None:
     text = page.read_text()
-    missing = [name for name in re.findall(r"`([\w/]+\.(?:py|md))`", text) if not (ROOT / name).is_file()]
+    missing = [name for name in re.findall(r"`(\w+/[\w/]+\.(?:py|md))`", text) if not (ROOT / name).is_file()]
     tests = "".join(file.read_text() for file in (ROOT / "tests").rglob("test_*.py"))
     missing += [name for name in re.findall(r"`(test_\w+)`", text) if f"def {name}(" not in tests]
     assert not missing
