@@ -10,15 +10,17 @@ from numpy.typing import NDArray
 
 from periodic.checks import FloatArray
 
+# An edge that is this many times steeper between two columns than beside them jumps there.
+STEEPER = 4.0
+
 
 class Interval(NamedTuple):
-    """One unstable interval of a column: ends in eps, `Kind` just inside them, and where it grows fastest."""
+    """One unstable interval of a column: its ends in eps and the `Kind` just inside them."""
 
     low: float
     high: float
     low_kind: int
     high_kind: int
-    peak: float
 
 
 class Loop(NamedTuple):
@@ -59,12 +61,12 @@ def components(columns: Sequence[Column]) -> list[set[Place]]:
     return list(found.values())
 
 
-def loops(Omega: FloatArray, columns: Sequence[Column], places: set[Place]) -> list[Loop]:
+def loops(Omega: FloatArray, columns: Sequence[Column], places: set[Place], finest: float) -> list[Loop]:
     """Return the closed polylines round the connected intervals ``places``, the longest first.
 
     Each pair of linked intervals spans a quadrilateral. An interval linked to several on one side is split between
     them, in the middle of the stable gaps that begin there. What remains of the sides of all quadrilaterals after those
-    between two of them cancel is a set of closed polylines.
+    between two of them cancel is a set of closed polylines. In slabs up to ``finest`` wide edges may jump.
     """
     where: dict[Corner, tuple[float, float, int]] = {}
     neighbours: dict[Corner, list[Corner]] = {}
@@ -81,18 +83,37 @@ def loops(Omega: FloatArray, columns: Sequence[Column], places: set[Place]) -> l
     linked: set[tuple[int, int, str]] = set()
     for c in range(first, last):
         pairs = [(i, k) for i, k in links(columns[c], columns[c + 1]) if (c, i) in places]
+        narrow = Omega[c + 1] - Omega[c] <= finest
         for number, (i, k) in enumerate(pairs):
             linked |= {(c, i, "right"), (c + 1, k, "left")}
             lower = _corners(pairs, number, number - 1, c, "low")
             upper = _corners(pairs, number, number + 1, c, "high")
-            join(*lower)
-            join(*upper)
+            for (a, b), end in ((lower, 0), (upper, 1)):
+                bend = _bend(Omega, columns, c, (i, k), end) if a[2] == b[2] and narrow else None
+                if bend is None:
+                    join(a, b)
+                else:
+                    middle = (c, i, f"{a[2]} bend", k)
+                    where[middle] = (*bend, where[a][2])
+                    join(a, middle)
+                    join(middle, b)
             if number + 1 < len(pairs):
-                _split(where, columns, c, pairs[number], pairs[number + 1], upper)
+                _split(where, Omega, columns, c, pairs[number], pairs[number + 1], upper)
     for c, i in places:
-        for side in ("left", "right"):
-            if (c, i, side) not in linked:
+        for side, step in (("left", -1), ("right", 1)):
+            if (c, i, side) in linked:
+                continue
+            apex = None
+            if 0 <= c + step < len(columns):
+                inner = [a if step > 0 else b for a, b in _linked(columns, c, -step) if (b if step > 0 else a) == i]
+                if len(inner) == 1:
+                    apex = _apex(Omega[[c - step, c, c + step]], columns[c - step][inner[0]][:2], columns[c][i][:2])
+            if apex is None:
                 join((c, i, "low", 0), (c, i, "high", 0))
+            else:
+                where[c, i, f"{side} tip", 0] = (*apex, columns[c][i].low_kind)
+                join((c, i, "low", 0), (c, i, f"{side} tip", 0))
+                join((c, i, f"{side} tip", 0), (c, i, "high", 0))
     walked = [_loop([where[corner] for corner in corners]) for corners in _walk(neighbours)]
     return sorted(walked, key=lambda loop: -abs(area(loop.Omega, loop.eps)))
 
@@ -100,6 +121,18 @@ def loops(Omega: FloatArray, columns: Sequence[Column], places: set[Place]) -> l
 def area(Omega: FloatArray, eps: FloatArray) -> float:
     """Return the area inside a closed polyline, positive if it runs counterclockwise."""
     return float(np.sum(Omega * np.roll(eps, -1) - np.roll(Omega, -1) * eps) / 2)
+
+
+def crossings(outlines: Sequence[Loop], level: float) -> list[float]:
+    """Return where the outlines cross the height ``level``, in increasing order."""
+    found: list[float] = []
+    for loop in outlines:
+        x, y = loop.Omega, loop.eps
+        after_x, after_y = np.roll(x, -1), np.roll(y, -1)
+        crossing = (y > level) != (after_y > level)
+        part = (level - y[crossing]) / (after_y[crossing] - y[crossing])
+        found += (x[crossing] + part * (after_x[crossing] - x[crossing])).tolist()
+    return sorted(found)
 
 
 def _corners(pairs: list[tuple[int, int]], number: int, other: int, c: int, end: str) -> tuple[Corner, Corner]:
@@ -114,6 +147,7 @@ def _corners(pairs: list[tuple[int, int]], number: int, other: int, c: int, end:
 
 def _split(
     where: dict[Corner, tuple[float, float, int]],
+    Omega: FloatArray,
     columns: Sequence[Column],
     c: int,
     below: tuple[int, int],
@@ -121,15 +155,64 @@ def _split(
     corners: tuple[Corner, Corner],
 ) -> None:
     """Place the corner in which a stable gap between two pairs that share an interval begins."""
-    left, right = corners
     if below[0] == above[0]:
-        gap = (columns[c + 1][below[1]], columns[c + 1][above[1]])
-        Omega = where[c, below[0], "low", 0][0]
-        where[left] = (Omega, (gap[0].high + gap[1].low) / 2, gap[0].high_kind)
+        corner, a, b, at, step = corners[0], below[1], above[1], c + 1, 1
     elif below[1] == above[1]:
-        gap = (columns[c][below[0]], columns[c][above[0]])
-        Omega = where[c + 1, below[1], "low", 0][0]
-        where[right] = (Omega, (gap[0].high + gap[1].low) / 2, gap[0].high_kind)
+        corner, a, b, at, step = corners[1], below[0], above[0], c, -1
+    else:
+        return
+    gap = (columns[at][a].high, columns[at][b].low)
+    place = (Omega[at - step], (gap[0] + gap[1]) / 2)
+    if 0 <= at + step < len(columns):
+        further = [pair if step > 0 else pair[::-1] for pair in _linked(columns, at, step)]
+        lower, upper = [k for i, k in further if i == a], [k for i, k in further if i == b]
+        if lower and upper and lower[-1] + 1 == upper[0]:
+            wider = (columns[at + step][lower[-1]].high, columns[at + step][upper[0]].low)
+            place = _apex(Omega[[at + step, at, at - step]], wider, gap) or place
+    where[corner] = (*place, columns[at][a].high_kind)
+
+
+def _linked(columns: Sequence[Column], c: int, step: int) -> list[tuple[int, int]]:
+    """Return the links between column c and its neighbour c + step, that of the left column first."""
+    if not 0 <= c + step < len(columns):
+        return []
+    return links(columns[min(c, c + step)], columns[max(c, c + step)])
+
+
+def _bend(
+    Omega: FloatArray, columns: Sequence[Column], c: int, link: tuple[int, int], end: int
+) -> tuple[float, float] | None:
+    """Return the corner of an edge that jumps between columns c and c + 1, where another region meets this one.
+
+    There the flatter of the two edges goes on to the steeper one.
+    """
+    i, k = link
+    before = [columns[c - 1][a][end] for a, b in _linked(columns, c, -1) if b == i]
+    after = [columns[c + 2][b][end] for a, b in _linked(columns, c + 1, 1) if a == k]
+    if len(before) != 1 or len(after) != 1:
+        return None
+    eps = np.array([before[0], columns[c][i][end], columns[c + 1][k][end], after[0]])
+    left, here, right = np.diff(eps) / np.diff(Omega[c - 1 : c + 3])
+    if min(left, right) <= here <= max(left, right) or abs(here) < STEEPER * min(abs(left), abs(right)):
+        return None
+    step = Omega[c + 1] - Omega[c]
+    if abs(right) < abs(left):
+        return float(Omega[c]), float(eps[2] - right * step)
+    return float(Omega[c + 1]), float(eps[1] + left * step)
+
+
+def _apex(Omega: FloatArray, wider: tuple[float, float], last: tuple[float, float]) -> tuple[float, float] | None:
+    """Return where two edges meet that are straight from the column ``wider`` by way of ``last`` to the third, which
+    they do not reach; None if they do not converge, or only beyond one of the edges in the column ``wider``."""
+    closing = (wider[1] - wider[0]) - (last[1] - last[0])
+    if closing <= 0:
+        return None
+    part = min((last[1] - last[0]) / closing, abs((Omega[2] - Omega[1]) / (Omega[1] - Omega[0])))
+    low, high = (b + part * (b - a) for a, b in zip(wider, last, strict=True))
+    middle = (low + high) / 2
+    if not min(wider[0], last[0]) <= middle <= max(wider[1], last[1]):
+        return None
+    return float(Omega[1] + part * (Omega[1] - Omega[0])), middle
 
 
 def _walk(neighbours: dict[Corner, list[Corner]]) -> list[list[Corner]]:

@@ -11,19 +11,18 @@ from tqdm import tqdm
 
 from floquet.monodromy import member_at, monodromy
 from floquet.multipliers import Kind
-from floquet.names import Name, resonances
-from floquet.outline import Column, Loop, Place, components, loops
+from floquet.names import Name, Namer, resonances
+from floquet.outline import Column, Loop, Place, components, crossings, loops
 from floquet.scanning import AMPLITUDES, Scan
 from periodic import SystemFamily
 from periodic.checks import FloatArray, interval, one_of, real_array, real_number, workers
 
-# Columns before any refinement, at least. Regions narrower than the distance between them are found at resonances.
-COLUMNS = 256
+# Columns before any refinement: a region that is nowhere wider than the distance between them may be missed.
+COLUMNS = 320
 # Levels at which the width of a region is measured.
 LEVELS = 64
-# A region that starts at a resonance is followed down to its foot; from there the middle goes on like a + b eps^2. The
-# place at eps = 0 is known to this part of the way that the middle has gone, plus this many tolerances.
-DOUBT, TOLERANCES = 0.3, 2.0
+# Amplitudes below the window, on the way down to the resonances.
+BELOW = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +59,7 @@ class Region:
         return bool(self.resonances)
 
     def contains(self, Omega: ArrayLike, eps: ArrayLike) -> NDArray[np.bool_]:
-        """Return whether points lie inside.
+        """Return whether points lie inside, or on an edge.
 
         Parameters
         ----------
@@ -77,10 +76,11 @@ class Region:
             If the arguments are not real or not finite.
         """
         x, y = np.broadcast_arrays(real_array("Omega", Omega, None), real_array("eps", eps, None))
-        inside = np.zeros(x.shape, dtype=bool)
+        inside = np.zeros((2, *x.shape), dtype=bool)
         for loop in self.outlines:
-            inside ^= _inside(loop, x, y)
-        return inside
+            box = (x >= loop.Omega.min()) & (x <= loop.Omega.max()) & (y >= loop.eps.min()) & (y <= loop.eps.max())
+            inside[:, box] ^= _inside(loop, x[box], y[box])
+        return np.asarray(inside.any(axis=0))
 
 
 def trace_regions(
@@ -102,7 +102,8 @@ def trace_regions(
         The window, 0 < Omega and 0 <= eps.
     tolerance : float
         Largest distance between a polyline and the true edge, as part of the window's width and height. Regions that
-        are nowhere wider in Omega than this part of the window are left out.
+        are nowhere wider in Omega than this part of the window are left out. (Those nowhere wider than 1/320 of the
+        window may be missed whatever the tolerance: give a narrower window to look for them.)
     n_jobs : int or None
         Workers, as in `stability_chart`.
     progress : bool or None
@@ -130,22 +131,30 @@ def trace_regions(
 
     width = high - low
     names = resonances(member, low - 0.2 * width, high + 0.2 * width)
-    scan = Scan(family, (low, high), np.linspace(0.0, top, AMPLITUDES), n_jobs)
+    # below the window, too: names come from where the regions start
+    eps = np.concatenate(
+        [np.linspace(0.0, bottom, BELOW, endpoint=False)[: BELOW * (bottom > 0)], np.linspace(bottom, top, AMPLITUDES)]
+    )
+    scan = Scan(family, (low, high), eps, n_jobs)
     base = np.linspace(low, high, COLUMNS + 1)
     feet = [name.centre for name in names if name.j <= 2 and name.sign > 0 and low < name.centre < high]
     with tqdm(total=3, unit="stage", disable=None if progress is None else not progress) as bar:
         scan.add([*base, *feet])
         bar.update()
-        scan.refine(low, high, width, tolerance, tolerance * width / 4)
+        scan.refine((width, top - bottom), tolerance)
         bar.update()
         Omega, columns = scan.ordered()
-        regions = []
-        for places in components(columns):
-            region = _region(family, Omega, columns, places, names, tolerance * width, bottom)
-            if region is not None:
-                regions.append(region)
+        namer = Namer(family, Omega, columns, names, tolerance * width)
+        shown = [_above(column, bottom) for column in columns]
+        found = (_region(family, Omega, shown, places, namer, tolerance * width) for places in components(shown))
+        regions = [region for region in found if region is not None]
         bar.update()
     return sorted(regions, key=lambda region: region.tip[0])
+
+
+def _above(column: Column, bottom: float) -> Column:
+    """Return the part of the intervals of a column that is above ``bottom``."""
+    return [interval._replace(low=max(interval.low, bottom)) for interval in column if interval.high > bottom]
 
 
 def _region(
@@ -153,103 +162,43 @@ def _region(
     Omega: FloatArray,
     columns: Sequence[Column],
     places: set[Place],
-    names: list[Name],
+    namer: Namer,
     narrowest: float,
-    bottom: float,
 ) -> Region | None:
     """Return the region of connected intervals; None if it is too narrow, or not verified."""
     if len({c for c, _ in places}) < 2:
         return None
-    outlines = loops(Omega, columns, places)
+    outlines = loops(Omega, columns, places, narrowest)
     if _width(outlines) < narrowest:
         return None
-    by_height = sorted(places, key=lambda place: columns[place[0]][place[1]].high - columns[place[0]][place[1]].low)
-    c, i = by_height[-1]
-    witness = (float(Omega[c]), columns[c][i].peak)
+    c, i = max(places, key=lambda place: columns[place[0]][place[1]].high - columns[place[0]][place[1]].low)
+    witness = (float(Omega[c]), (columns[c][i].low + columns[c][i].high) / 2)
     if monodromy(family, *witness).kind <= Kind.STABLE:
         return None
-    lowest = min(places, key=lambda place: columns[place[0]][place[1]].low)
-    tip = (float(Omega[lowest[0]]), columns[lowest[0]][lowest[1]].low)
-    named = _named(family, Omega, columns, places, outlines, names, narrowest)
-    return Region(tuple(outlines), tuple(named), tip, witness)
-
-
-def _named(
-    family: SystemFamily,
-    Omega: FloatArray,
-    columns: Sequence[Column],
-    places: set[Place],
-    outlines: Sequence[Loop],
-    names: list[Name],
-    narrowest: float,
-) -> list[Name]:
-    """Return the resonances from which the feet of a region start."""
-    found: list[Name] = []
-    for c, i in _feet(columns, places, 0.01):
-        foot = columns[c][i]
-        eps = foot.low
-        level = 1.3 * eps + 0.02 * (foot.high - eps)
-        above = _chord(outlines, float(Omega[c]), level)
-        middle = sum(above) / 2 if above else float(Omega[c])
-        centre = Omega[c] - (middle - Omega[c]) * eps**2 / (level**2 - eps**2)
-        reach = TOLERANCES * narrowest + DOUBT * abs(centre - Omega[c])
-        fitting = [n for n in names if n.kind == foot.low_kind and abs(n.centre - centre) <= reach]
-        fitting.sort(key=lambda n: (n.j, -n.sign, abs(n.centre - centre)))
-        if fitting and fitting[0] not in found:
-            found.append(fitting[0])
-    return found
-
-
-def _feet(columns: Sequence[Column], places: set[Place], prominence: float) -> list[Place]:
-    """Return the intervals whose lower ends are lower than those on both sides."""
-    row = sorted(places)
-    feet = []
-    lowest: dict[int, Place] = {}
-    for place in row:
-        if place[0] not in lowest or columns[place[0]][place[1]].low < columns[place[0]][lowest[place[0]][1]].low:
-            lowest[place[0]] = place
-    order = sorted(lowest)
-    depth = [columns[c][lowest[c][1]].low for c in order]
-    for k, c in enumerate(order):
-        left = next((d for d in depth[k::-1] if d < depth[k] or d > depth[k] + prominence), np.inf)
-        right = next((d for d in depth[k:] if d < depth[k] or d > depth[k] + prominence), np.inf)
-        if min(left, right) > depth[k]:
-            feet.append(lowest[c])
-    return feet
-
-
-def _chord(outlines: Sequence[Loop], Omega: float, level: float) -> tuple[float, float] | None:
-    """Return the part of the region at the height ``level`` that is nearest to ``Omega``."""
-    ends = _crossings(outlines, level)
-    chords = list(zip(ends[::2], ends[1::2], strict=True))
-    return min(chords, key=lambda chord: max(chord[0] - Omega, Omega - chord[1]), default=None)
+    lowest = int(outlines[0].eps.argmin())
+    tip = (float(outlines[0].Omega[lowest]), float(outlines[0].eps[lowest]))
+    return Region(tuple(outlines), tuple(namer.names_of(c, columns[c][i].high)), tip, witness)
 
 
 def _width(outlines: Sequence[Loop]) -> float:
     """Return the largest width in Omega at one eps."""
     eps = outlines[0].eps
     levels = eps.min() + (eps.max() - eps.min()) * (np.arange(LEVELS) + 0.5) / LEVELS
-    ends = [_crossings(outlines, level) for level in levels]
+    ends = [crossings(outlines, level) for level in levels]
     return max((b - a for row in ends for a, b in zip(row[::2], row[1::2], strict=True)), default=0.0)
 
 
-def _crossings(outlines: Sequence[Loop], level: float) -> list[float]:
-    """Return where the outlines cross the height ``level``, in increasing order."""
-    found: list[float] = []
-    for loop in outlines:
-        x, y = loop.Omega, loop.eps
-        after_x, after_y = np.roll(x, -1), np.roll(y, -1)
-        crossing = (y > level) != (after_y > level)
-        part = (level - y[crossing]) / (after_y[crossing] - y[crossing])
-        found += (x[crossing] + part * (after_x[crossing] - x[crossing])).tolist()
-    return sorted(found)
-
-
 def _inside(loop: Loop, Omega: FloatArray, eps: FloatArray) -> NDArray[np.bool_]:
-    """Return whether points lie inside a closed polyline: an odd number of sides is crossed on the way to the right."""
-    inside = np.zeros(Omega.shape, dtype=bool)
+    """Return whether points (k,) lie inside a closed polyline, shape (2, k): once its left and lower edges belong to
+    it, once its right and upper ones.
+
+    Inside means that an odd number of sides is crossed on the way to the right.
+    """
+    inside = np.zeros((2, Omega.size), dtype=bool)
     for x0, y0, x1, y1 in zip(loop.Omega, loop.eps, np.roll(loop.Omega, -1), np.roll(loop.eps, -1), strict=True):
         if y0 != y1:
-            crossing = (eps >= min(y0, y1)) & (eps < max(y0, y1))
-            inside ^= crossing & (Omega < x0 + (eps - y0) * ((x1 - x0) / (y1 - y0)))
+            low, high = min(y0, y1), max(y0, y1)
+            crossing = x0 + (eps - y0) * ((x1 - x0) / (y1 - y0))
+            inside[0] ^= (eps >= low) & (eps < high) & (Omega < crossing)
+            inside[1] ^= (eps > low) & (eps <= high) & (Omega <= crossing)
     return inside

@@ -2,20 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from functools import lru_cache, partial
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from joblib import Parallel, delayed
 
-from floquet.column import Columns, chart_block, steps_needed
+from floquet.column import SAFETY, least_frequency, log2_steps, multipliers, steps_needed
+from floquet.coordinates import Block, blocks, equations
 from floquet.multipliers import Kind
 from floquet.outline import Column, Interval, links
-from periodic import SystemFamily
+from floquet.sampling import Sampler, Workspace
+from floquet.threads import single_blas_thread
+from floquet.verdict import Cells, combine, dominant, dominant_symplectic, judge
+from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import FloatArray
 
 # Amplitudes of a column are this part of their range apart; an end of an interval is interpolated between two.
 AMPLITUDES = 128
+# Error of the multipliers, as `floquet.column` has it; an edge is off by about as much. `steps_needed` aims lower.
+ERROR = 1e-9
+# Slabs are halved down to this part of the tolerance.
+FINEST = 0.5
 # Enough columns to hide joblib's overhead, few enough to balance the load.
 COLUMNS_A_TASK = 8
 
@@ -35,12 +45,10 @@ class Scan:
         new = sorted({float(w) for w in Omega} - self.columns.keys())
         batches = [new[i : i + COLUMNS_A_TASK] for i in range(0, len(new), COLUMNS_A_TASK)]
         tasks = (
-            delayed(chart_block)([self.family.at(w) for w in batch], np.array(batch), self.eps, self.steps)
-            for batch in batches
+            delayed(_intervals)([self.family.at(w) for w in batch], batch, self.eps, self.steps) for batch in batches
         )
-        for batch, cells in zip(batches, self.parallel(tasks), strict=True):
-            for c, w in enumerate(batch):
-                self.columns[w] = intervals(self.eps, *(cells_of(cells, c)))
+        for batch, found in zip(batches, self.parallel(tasks), strict=True):
+            self.columns.update(zip(batch, found, strict=True))
         return len(new)
 
     def ordered(self) -> tuple[FloatArray, list[Column]]:
@@ -48,56 +56,119 @@ class Scan:
         Omega = sorted(self.columns)
         return np.array(Omega), [self.columns[w] for w in Omega]
 
-    def refine(self, low: float, high: float, unit: float, tolerance: float, finest: float) -> None:
-        """Halve the slabs between low and high until straight lines between columns describe the edges.
+    def refine(self, units: tuple[float, float], tolerance: float) -> None:
+        """Halve the slabs between columns until straight lines describe the edges.
 
-        ``unit`` is the range of Omega that counts like the whole range of eps; ``tolerance`` the largest distance of an
-        edge from the straight line, as part of the ranges; ``finest`` the narrowest slab that is halved.
+        ``units`` are the ranges of Omega and eps that count alike; ``tolerance`` is the largest distance of an edge
+        from the straight line, as part of them.
         """
+        finest = FINEST * tolerance * units[0]
         while True:
             Omega, columns = self.ordered()
-            inside = (Omega[:-1] >= low) & (Omega[1:] <= high) & (np.diff(Omega) > finest)
-            coarse = [c for c in np.flatnonzero(inside) if self._is_coarse(Omega, columns, int(c), unit, tolerance)]
-            if not self.add((Omega[c] + Omega[c + 1]) / 2 for c in coarse):
+            slabs = _Slabs(Omega, columns, units, tolerance, finest)
+            wide = np.flatnonzero(np.diff(Omega) > 1.5 * finest).tolist()
+            if not self.add(place for c in wide for place in slabs.place(c)):
                 return
 
-    def _is_coarse(self, Omega: FloatArray, columns: list[Column], c: int, unit: float, tolerance: float) -> bool:
-        left, right = columns[c], columns[c + 1]
-        pairs = links(left, right)
-        if len({i for i, _ in pairs}) < len(left) or len({k for _, k in pairs}) < len(right):
-            return True
-        if len(pairs) > len(left) or len(pairs) > len(right):
-            return True
-        height = self.eps[-1] - self.eps[0]
-        for i, k in pairs:
+
+class _Slabs:
+    """What is between the columns: where one more column is needed."""
+
+    def __init__(
+        self,
+        Omega: FloatArray,
+        columns: Sequence[Column],
+        units: tuple[float, float],
+        tolerance: float,
+        finest: float,
+    ) -> None:
+        self.Omega, self.columns, self.units, self.tolerance, self.finest = Omega, columns, units, tolerance, finest
+        self.links = [links(left, right) for left, right in pairwise(columns)]
+
+    def place(self, c: int) -> list[float]:
+        """Return where slab ``c``, between columns c and c + 1, needs a column."""
+        pairs = self.links[c]
+        left, right = [i for i, _ in pairs], [k for _, k in pairs]
+        # an interval without neighbours may be a region too narrow to be followed: one column close by decides
+        ends = [i for i in range(len(self.columns[c])) if i not in left and not self._is_thin(c, i)]
+        begins = [k for k in range(len(self.columns[c + 1])) if k not in right and not self._is_thin(c + 1, k)]
+        if ends and all(self._is_alone(c, i) for i in ends) and not begins:
+            return [self.Omega[c] + self.finest]
+        if ends or (begins and not all(self._is_alone(c + 1, k) for k in begins)):
+            return [(self.Omega[c] + self.Omega[c + 1]) / 2]
+        if len(set(left)) < len(left) or len(set(right)) < len(right) or self._bends(c):
+            return [(self.Omega[c] + self.Omega[c + 1]) / 2]
+        return []
+
+    def _is_alone(self, c: int, i: int) -> bool:
+        before = c > 0 and any(k == i for _, k in self.links[c - 1])
+        after = c + 1 < len(self.columns) and any(k == i for k, _ in self.links[c])
+        return not before and not after
+
+    def _is_thin(self, c: int, i: int) -> bool:
+        """Whether an interval is alone although a column is close by."""
+        widths = np.diff(self.Omega[max(c - 1, 0) : c + 2])
+        return self._is_alone(c, i) and bool(widths.min() <= 1.5 * self.finest)
+
+    def _bends(self, c: int) -> bool:
+        """Whether an edge that goes through slab ``c`` is further from a straight line than the tolerance."""
+        for i, k in self.links[c]:
+            before = [a for a, b in self.links[c - 1] if b == i] if c > 0 else []
+            after = [b for a, b in self.links[c + 1] if a == k] if c + 2 < len(self.columns) else []
+            chain = [(c, i), (c + 1, k)]
+            if len(before) == 1:
+                chain.insert(0, (c - 1, before[0]))
+            if len(after) == 1:
+                chain.append((c + 2, after[0]))
+            x = self.Omega[[a for a, _ in chain]] / self.units[0]
+            h = np.diff(x)
+            here = int(len(before) == 1)  # the number of this slab in the chain
             for end in (0, 1):
-                slope = (right[k][end] - left[i][end]) / (Omega[c + 1] - Omega[c]) * unit / height
-                sag = 0.0
-                if c > 0:
-                    before = [a for a, b in links(columns[c - 1], left) if b == i]
-                    if len(before) == 1:
-                        sag = _sag(Omega[c - 1 : c + 2], [columns[c - 1][before[0]][end], left[i][end], right[k][end]])
-                if c + 2 < len(columns):
-                    after = [b for a, b in links(right, columns[c + 2]) if a == k]
-                    if len(after) == 1:
-                        points = [left[i][end], right[k][end], columns[c + 2][after[0]][end]]
-                        width = Omega[c + 1] - Omega[c]
-                        sag = max(sag, _sag(Omega[c : c + 3], points) * 1.0) if width > 0 else sag
-                step = Omega[c + 1] - Omega[c]
-                if sag * step**2 / height > tolerance * np.hypot(1, slope):
+                y = np.array([self.columns[a][b][end] for a, b in chain]) / self.units[1]
+                slope = np.diff(y) / h
+                curvature = 2 * np.abs(np.diff(slope)) / (h[1:] + h[:-1])
+                sag = curvature.max(initial=0.0) * h[here] ** 2 / 8
+                steep = abs(slope[here])
+                if here == 1 and len(slope) == 3 and not slope.min() < slope[1] < slope.max():
+                    steep = np.abs(
+                        slope
+                    ).min()  # where an edge jumps, its distance from the chord is along the flat side
+                if sag > self.tolerance * np.hypot(1, steep):
                     return True
         return False
 
 
-def _sag(Omega: FloatArray, eps: list[float]) -> float:
-    """Return |second derivative| / 8 through three points: times the square of a step, how far a chord is off."""
-    first, second = (eps[1] - eps[0]) / (Omega[1] - Omega[0]), (eps[2] - eps[1]) / (Omega[2] - Omega[1])
-    return abs(second - first) / (Omega[2] - Omega[0]) / 4
+def _intervals(
+    systems: Sequence[PeriodicSystem], Omega: Sequence[float], eps: FloatArray, steps: float
+) -> list[Column]:
+    """Return the unstable intervals of some columns."""
+    work, found = Workspace(), []
+    with single_blas_thread():
+        for system, frequency in zip(systems, Omega, strict=True):
+            cells = _cells(system, frequency, eps, steps, work)
+            found.append(intervals(eps, cells.log_modulus, cells.kind))
+    return found
 
 
-def cells_of(cells: Columns, c: int) -> tuple[FloatArray, Any]:
-    """Return growth rates and kinds of one column."""
-    return cells.growth_rate[:, c], cells.kind[:, c]
+@lru_cache(maxsize=8)
+def _blocks(system: PeriodicSystem) -> list[Block]:
+    """Return the blocks of a system; most families have a single one for all frequencies."""
+    return blocks(system)
+
+
+def _cells(system: PeriodicSystem, Omega: float, eps: FloatArray, steps: float, work: Workspace) -> Cells:
+    """Return a column of a chart without measuring its error, which would double the cost.
+
+    The steps are short enough for it to be below ERROR; every region is verified by `floquet.monodromy` in the end.
+    """
+    cells = []
+    for block in _blocks(system):
+        sampler = Sampler(block, equations(block, least_frequency(Omega)), Omega, work)
+        mu, scale = multipliers(sampler, eps, log2_steps(block, Omega, eps, steps), ERROR)
+        found = dominant_symplectic if block.symplectic else partial(dominant, reversible=block.reversible)
+        error = SAFETY * ERROR * scale.losses
+        cells.append(judge(found(mu, scale.exponents), error, block.symplectic or block.reversible))
+    return combine(cells)
 
 
 def intervals(eps: FloatArray, growth: FloatArray, kind: Any) -> Column:
@@ -109,8 +180,7 @@ def intervals(eps: FloatArray, growth: FloatArray, kind: Any) -> Column:
     for first, last in zip(starts, stops, strict=True):
         low = eps[0] if first == 0 else _end(eps, growth, first - 1, first, min(first + 1, last))
         high = eps[-1] if last == len(eps) - 1 else _end(eps, growth, last + 1, last, max(last - 1, first))
-        peak = first + int(np.argmax(growth[first : last + 1]))
-        column.append(Interval(float(low), float(high), int(kind[first]), int(kind[last]), float(eps[peak])))
+        column.append(Interval(float(low), float(high), int(kind[first]), int(kind[last])))
     return column
 
 

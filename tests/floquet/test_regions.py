@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from time import process_time
+from typing import Any
+
 import numpy as np
 import pytest
+from scipy.ndimage import binary_opening
 from scipy.optimize import brentq
+from scipy.spatial import cKDTree
 from scipy.special import mathieu_a, mathieu_b
 
-from floquet import Kind, trace_regions
-from periodic import PeriodicSystem
+from floquet import Kind, Region, StabilityChart, monodromy, stability_chart, trace_regions
+from floquet.outline import Interval, area, components, loops
 from periodic.examples import coupled_mathieu, mathieu
+from plate import MovingPlate
 
 
 def edge_of_mathieu(order: int, sort: str, eps: float) -> float:
@@ -37,3 +43,158 @@ def test_edges_and_names_of_the_regions_of_mathieu() -> None:
                 inwards = -side if edge_of_mathieu(order, "a", eps) > edge_of_mathieu(order, "b", eps) else side
                 assert region.contains(edge + inwards * off, eps)
                 assert not region.contains(edge - inwards * off, eps)
+
+
+def misses(regions: list[Region], chart: StabilityChart, cells: float) -> tuple[int, int]:
+    """Return how many cells contradict the regions though ``cells`` grid cells away from all edges and in no unstable
+    stretch of at most so many cells: stable cells inside, unstable cells outside."""
+    Omega, eps = np.meshgrid(chart.Omega, chart.eps)
+    inside = np.zeros(Omega.shape, dtype=bool)
+    points = []
+    for region in regions:
+        inside |= region.contains(Omega, eps)
+        for loop in region.outlines:
+            x = np.append(loop.Omega, loop.Omega[0]) / (chart.Omega[1] - chart.Omega[0])
+            y = np.append(loop.eps, loop.eps[0]) / (chart.eps[1] - chart.eps[0])
+            for k in range(len(loop.Omega)):
+                part = np.linspace(0, 1, int(4 * np.hypot(x[k + 1] - x[k], y[k + 1] - y[k])) + 2)[:, None]
+                points.append([x[k], y[k]] + part * [x[k + 1] - x[k], y[k + 1] - y[k]])
+    unstable = chart.kind > Kind.STABLE
+    thin = unstable & ~binary_opening(unstable, np.ones((1, int(cells) + 1)))
+    wrong = np.argwhere((unstable & ~inside & ~thin) | ((chart.kind == Kind.STABLE) & inside))
+    if not len(wrong):
+        return 0, 0
+    places = np.column_stack(
+        [
+            chart.Omega[wrong[:, 1]] / (chart.Omega[1] - chart.Omega[0]),
+            chart.eps[wrong[:, 0]] / (chart.eps[1] - chart.eps[0]),
+        ]
+    )
+    far = cKDTree(np.concatenate(points)).query(places)[0] > cells
+    invented = inside[tuple(wrong[far].T)]
+    return int(invented.sum()), int((~invented).sum())
+
+
+@pytest.mark.parametrize("damping", [0.0, 1e-3])
+def test_regions_of_a_small_plate_agree_with_its_chart(damping: float) -> None:
+    plate = MovingPlate(axial_terms=2, lateral_terms=3, damping=damping)
+    regions = trace_regions(plate, (10.0, 60.0), (0.0, 1.0), progress=False)
+    chart = stability_chart(plate, np.linspace(10, 60, 256), np.linspace(0, 1, 128), progress=False, audit=0)
+    # one cell is 4 to 8 tolerances: nothing but what lies on the edge itself is left out
+    assert misses(regions, chart, 1.0) == (0, 0)
+    assert all(region.explained for region in regions)
+    for region in regions:
+        assert region.contains(*region.witness)
+        assert monodromy(plate, *region.witness).kind > Kind.STABLE
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("damping", [0.0, 2e-4, 1e-3])
+def test_regions_of_the_standard_plate_agree_with_its_chart_at_a_fifth_of_the_cost(damping: float) -> None:
+    plate = MovingPlate(damping=damping)
+    trace_regions(plate, (30.0, 30.5), (0.0, 0.1), n_jobs=1, progress=False)  # compiles
+    start = process_time()
+    regions = trace_regions(plate, (5.0, 90.0), (0.0, 1.0), n_jobs=1, progress=False)
+    traced = process_time()
+    Omega, eps = np.linspace(5, 90, 1024), np.linspace(0, 1, 512)
+    chart = stability_chart(plate, Omega, eps, n_jobs=1, progress=False, audit=0)
+    assert traced - start < 0.2 * (process_time() - traced)
+    # Regions nowhere wider than 1/320 of the window, 3.2 cells, may be missed: of the elastic plate some are, whose
+    # stretches are 3 cells at most.
+    assert misses(regions, chart, 3.0) == (0, 0)
+    invented, _ = misses(regions, chart, 2.0)
+    assert invented == 0
+    labels = {name for region in regions for name in region.label.split(", ")}
+    assert labels >= {"2ω₁", "2ω₂", "ω₁+ω₄", "ω₂+ω₅", "2ω₄"}
+    assert "" not in labels
+
+
+@pytest.mark.parametrize(("kind", "label", "centre"), [("sum", "ω₁+ω₂", 2.7), ("difference", "ω₂−ω₁", 0.7)])
+def test_combination_resonances_are_named(kind: str, label: str, centre: float) -> None:
+    regions = trace_regions(coupled_mathieu(kind), (0.97 * centre, 1.03 * centre), (0.0, 0.04), progress=False)
+    assert [region.label for region in regions] == [label]
+    assert set(regions[0].outlines[0].kind.tolist()) == {Kind.COMPLEX}
+    assert regions[0].resonances[0].centre == pytest.approx(centre, rel=1e-12)
+
+
+def test_damping_lifts_the_tip() -> None:
+    # exact to first order: closed below eps = 2 omega damping (periodic.examples.mathieu); the next order is eps^3
+    regions = trace_regions(mathieu(damping=0.1), (1.6, 2.5), (0.0, 0.6), progress=False)
+    assert [region.label for region in regions] == ["2ω₁"]
+    Omega, eps = regions[0].tip
+    assert eps == pytest.approx(0.2, abs=0.005)
+    assert Omega == pytest.approx(2.0, abs=0.02)
+
+
+def test_a_window_above_the_tips_has_the_same_names() -> None:
+    regions = trace_regions(mathieu(), (0.8, 3.0), (0.4, 0.8), progress=False)
+    assert [region.label for region in regions][-2:] == ["2ω₁/2", "2ω₁"]
+    for region in regions:
+        assert region.outlines[0].eps.min() >= 0.4
+        assert region.outlines[0].eps.max() <= 0.8
+    assert regions[-1].tip[1] == 0.4
+
+
+def test_instability_without_excitation_is_listed_without_a_name() -> None:
+    diverging = mathieu(-0.5)
+    regions = trace_regions(diverging, (3.0, 6.0), (0.0, 0.5), progress=False)
+    assert len(regions) == 1
+    assert not regions[0].explained
+    assert regions[0].label == ""
+    assert regions[0].contains([3.5, 5.0], 0.25).all()
+
+
+def test_a_stable_window_has_no_regions() -> None:
+    assert trace_regions(mathieu(damping=0.5), (1.5, 2.5), (0.0, 0.3), progress=False) == []
+
+
+def test_workers_change_nothing() -> None:
+    one, two = (trace_regions(mathieu(), (1.5, 2.5), (0.0, 0.5), n_jobs=n, progress=False) for n in (1, 2))
+    for a, b in zip(one, two, strict=True):
+        np.testing.assert_array_equal(a.outlines[0].Omega, b.outlines[0].Omega)
+        np.testing.assert_array_equal(a.outlines[0].eps, b.outlines[0].eps)
+
+
+@pytest.mark.parametrize(
+    ("changes", "name"),
+    [
+        ({"family": 1}, "family"),
+        ({"Omega_range": (0.0, 1.0)}, "Omega_range"),
+        ({"Omega_range": (2.0, 1.0)}, "Omega_range"),
+        ({"Omega_range": 1.0}, "Omega_range"),
+        ({"eps_range": (-0.1, 1.0)}, "eps_range"),
+        ({"eps_range": (0.0, np.nan)}, "eps_range"),
+        ({"tolerance": 0.0}, "tolerance"),
+        ({"tolerance": 0.5}, "tolerance"),
+        ({"n_jobs": 0}, "n_jobs"),
+        ({"progress": "yes"}, "progress"),
+    ],
+)
+def test_wrong_arguments_are_named(changes: dict[str, Any], name: str) -> None:
+    arguments = {"family": mathieu(), "Omega_range": (1.0, 2.0), "eps_range": (0.0, 1.0)} | changes
+    with pytest.raises(ValueError, match=name):
+        trace_regions(**arguments)
+
+
+def test_an_annulus_has_two_outlines() -> None:
+    Omega = np.linspace(-1.3, 1.3, 53)
+
+    def stretches(x: float) -> list[Interval]:
+        if abs(x) >= 1:
+            return []
+        outer, inner = np.sqrt(1 - x**2), np.sqrt(max(0.25 - x**2, 0))
+        ends = [(-outer, outer)] if inner == 0 else [(-outer, -inner), (inner, outer)]
+        return [Interval(a, b, Kind.COMPLEX, Kind.COMPLEX) for a, b in ends]
+
+    columns = [stretches(x) for x in Omega]
+    (places,) = components(columns)
+    outer, inner = loops(Omega, columns, places, 0.0)
+    # inscribed polygons: the area is short by the square of the step, and by the caps
+    assert abs(area(outer.Omega, outer.eps)) == pytest.approx(np.pi, abs=0.05)
+    assert abs(area(inner.Omega, inner.eps)) == pytest.approx(np.pi / 4, abs=0.05)
+    region = Region((outer, inner), (), (0.0, -1.0), (0.0, 0.75))
+    x, y = np.random.default_rng(1).uniform(-1.2, 1.2, (2, 2000))
+    radius = np.hypot(x, y)
+    clear = (np.abs(radius - 1) > 0.06) & (np.abs(radius - 0.5) > 0.06)
+    np.testing.assert_array_equal(region.contains(x, y)[clear], ((radius < 1) & (radius > 0.5))[clear])
+    assert not region.explained
