@@ -11,7 +11,9 @@ from floquet import Kind, monodromy, stability_chart
 from periodic import PeriodicSystem
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu, meissner
 
+SLANTED = PeriodicSystem([[1.0]], [[0.0]], [[0.02]], [[1.0]], [[[0.8]], [[0.3]]], [[[0.5]], [[-0.4]]])
 SYSTEMS = {
+    "cosines and sines": (SLANTED, 2.0, 0.6),
     "mathieu": (mathieu(1.0, 0.02), 2.0, 0.6),
     "coupled": (coupled_mathieu(damping=(0.02, 0.05)), 2.7, 0.8),
     "rotor": (gyroscopic_rotor(damping=0.01), 4.0, 0.9),
