@@ -50,6 +50,21 @@ class VariantStudy:
     panels: list[tuple[TransitionCurve, BoundaryTrace]]
     verdicts: list[RegionAgreement]
 
+    @property
+    def passed_audit(self) -> bool:
+        """Whether the cells of the chart that another integrator computed again bore it out."""
+        return self.chart.audit is not None and self.chart.audit.ok
+
+    @property
+    def audit(self) -> str:
+        """What became of the audit, in words."""
+        audit = self.chart.audit
+        if audit is None or not audit.compared:
+            return "no cell of the chart was integrated again"
+        found = f"{audit.compared} cells of the chart integrated again by another method differ by at most"
+        found = f"{found} {audit.largest_difference:.1e} in log|μ|"
+        return found if audit.ok else f"{found}: MORE THAN ESTIMATED, or the verdict is another"
+
 
 @dataclass(frozen=True, eq=False)
 class CaseStudy:
@@ -61,7 +76,7 @@ class CaseStudy:
     @property
     def agrees(self) -> bool:
         """Whether theory and integration agree in every region of every variant, and every chart passed its audit."""
-        return all(verdict.agrees for variant in self.variants for verdict in variant.verdicts)
+        return all(variant.passed_audit and all(v.agrees for v in variant.verdicts) for variant in self.variants)
 
     @property
     def chart_names(self) -> list[str]:
@@ -75,7 +90,11 @@ class CaseStudy:
             "title": self.case.title,
             "agrees": self.agrees,
             "variants": [
-                {"label": variant.label, "regions": [verdict.to_dict() for verdict in variant.verdicts]}
+                {
+                    "label": variant.label,
+                    "chart_passed_audit": variant.passed_audit,
+                    "regions": [verdict.to_dict() for verdict in variant.verdicts],
+                }
                 for variant in self.variants
             ],
         }

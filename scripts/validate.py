@@ -80,6 +80,7 @@ def _study(case: Case, options: argparse.Namespace) -> CaseStudy:
             ratio = f"{verdict.width_ratio[0]:.5f}" if verdict.width_ratio[0] > 0 else "closed"
             agrees = "yes" if verdict.agrees else "NO"
             print(f"  {verdict.label:<12}{verdict.centre:>10.4f}  {ratio:>11}  {agrees:<6}  {verdict.reason}")
+        print(f"  {variant.audit}")
     return study
 
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import base64
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from compare.cases import load_case
@@ -154,3 +156,16 @@ def test_a_report_without_claims_has_no_such_section(study: CaseStudy, tmp_path:
     write_report([study], [], tmp_path)
     for name in ("report.html", "report.md"):
         assert "claims" not in (tmp_path / name).read_text(encoding="utf-8")
+
+
+def test_a_chart_that_failed_its_audit_is_a_disagreement(study: CaseStudy, tmp_path: Path) -> None:
+    assert study.agrees
+    variant = study.variants[0]
+    assert variant.chart.audit is not None
+    contradicted = replace(variant.chart.audit, contradictions=np.ones_like(variant.chart.audit.contradictions))
+    failed = replace(variant, chart=replace(variant.chart, audit=contradicted))
+    worse = replace(study, variants=[failed, *study.variants[1:]])
+    assert not worse.agrees
+    assert worse.to_dict()["variants"][0]["chart_passed_audit"] is False
+    write_report([worse], [], tmp_path)
+    assert 'class="bad">' in (tmp_path / "report.html").read_text(encoding="utf-8")
