@@ -93,8 +93,13 @@ def spectrum(
     top = int(modulus.argmax())
     log_modulus = float(np.log(modulus[top]))
     upper = np.log1p((modulus + shift - modulus[top]).max() / modulus[top])
-    # downwards the largest may go half-way to its nearest neighbour, where the two turn into a complex pair
-    down = max(shift[top], min(first_order[top], 0.5 * distance[top].min()))
+    down = max(shift[top], first_order[top])
+    if crowded[top]:
+        # an error that can make the largest meet its nearest neighbour can turn the two into a complex pair, half-way
+        near = int(distance[top].argmin())
+        middle = 0.5 * (mu[top] + mu[near]) * np.eye(len(Phi))
+        if sla.svdvals(middle - Phi)[-1] <= E:
+            down = max(shift[top], 0.5 * distance[top, near] + E)
     lower = -np.log1p(-min(down / modulus[top], 0.5))
     log_error = float(max(upper, lower))
     if log_modulus > log_error and not bounded:
