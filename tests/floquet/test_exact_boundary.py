@@ -1,7 +1,7 @@
 """On an exact boundary neither answer is right, and next to one the error decides.
 
-x'' + (-k^2/2 - k cos t + k^2/2 cos 2t) x = 0 has the solution x = exp(-k cos t), as inserting it shows; so mu = 1, and by
-Liouville's theorem mu = 1 twice. It is an Ince equation (W. Magnus and S. Winkler, Hill's Equation, 1966, chapter 7).
+x'' + (-k^2/2 - k cos t + k^2/2 cos 2t) x = 0 has the solution x = exp(-k cos t), as inserting it shows; so mu = 1, and
+by Liouville's theorem mu = 1 twice.
 """
 
 from __future__ import annotations
