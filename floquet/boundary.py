@@ -28,8 +28,6 @@ MOST_TRIALS = 40
 LARGEST_JUMP = 1e-3
 # Part of a step by which to go aside where another multiplier passes through the pair.
 ASIDE = 0.02
-# How a region is unstable, by the point at which its multipliers meet.
-KINDS = {1.0: Kind.PLUS_ONE, -1.0: Kind.MINUS_ONE, None: Kind.COMPLEX}
 # An edge is looked for between these multiples of the frequency of resonance.
 LOWEST, HIGHEST = 0.2, 5.0
 
@@ -100,9 +98,9 @@ def trace_boundary(family: SystemFamily, near: float, eps: ArrayLike) -> Boundar
     inside the region and negative outside (`floquet.pair.instability`). Near a resonance f is nearly a parabola: its
     top is found by interpolation, however narrow the region, and its zeros by Brent's method.
 
-    Where another resonance takes part, an edge may be missing, as where two regions have merged. An undamped system
-    that is neither conservative nor reversible may grow outside its resonances, if slowly (of order eps^2), and then
-    its regions have no edges.
+    The edges are those of the pair: beyond them another one may still be unstable. Where regions have merged an edge
+    may be missing. An undamped system that is neither conservative nor reversible may grow outside its resonances, if
+    slowly (of order eps^2), and then its regions have no edges.
     """
     near = real_number("near", near, positive=True)
     amplitudes = real_array("eps", eps if isinstance(eps, list | tuple) else np.atleast_1d(eps), 1)
@@ -159,7 +157,7 @@ class _Route:
         if upper - lower < 10 * RESOLUTION * top.Omega:
             return Kind.STABLE, closed
         lower_error, upper_error = self._error(eps, top, lower, upper), self._error(eps, top, upper, lower)
-        return KINDS[self.pair.lock], (lower, upper, lower_error, upper_error)
+        return _kind(top.multipliers), (lower, upper, lower_error, upper_error)
 
     def _advance(self, eps: float) -> None:
         """Add the stations below ``eps``. They lie on a fixed ladder: no result depends on what else was asked for."""
@@ -276,6 +274,13 @@ class _Route:
         except LostError:
             return np.inf
         return inside.error / abs(inside.value / shift) + RESOLUTION * edge
+
+
+def _kind(multipliers: ComplexArray) -> Kind:
+    """Return how an unstable pair is unstable. Real multipliers of a real matrix are exactly real."""
+    if multipliers.imag.any():
+        return Kind.COMPLEX
+    return Kind.PLUS_ONE if multipliers[0].real > 0 else Kind.MINUS_ONE
 
 
 def _parabola(points: list[Point]) -> tuple[float, float, float]:

@@ -37,6 +37,7 @@ class Point(NamedTuple):
     Omega: float
     value: float
     error: float
+    multipliers: ComplexArray
     solutions: ComplexArray
 
 
@@ -86,7 +87,7 @@ class Pair:
             condition = 1 / np.abs(np.einsum("ij,ij->j", left[:, both].conj(), right[:, both]))
         shift = float(np.sum(condition / np.abs(mu[both])) * error)
         value, error = instability(mu[both], self.lock, block.reciprocal, shift)
-        return Point(Omega, value, error, block.to_q @ right[:, both])
+        return Point(Omega, value, error, mu[both], block.to_q @ right[:, both])
 
     def _block(self, Omega: float, eps: float) -> Reduction:
         """Return the block of the pair; computed anew only if the system or eps has changed."""
@@ -99,29 +100,25 @@ class Pair:
     def _choose(self, mu: ComplexArray, inside: ComplexArray, T: float) -> list[int]:
         """Return the two multipliers whose eigenvectors have large parts ``inside`` (2, count) the reference.
 
-        More than two have if multipliers are equal or so close that their eigenvectors mix. Then, for two different
-        modes, those that span the reference best; for a single mode, the one of its pairs nearest to instability: two
-        conjugate multipliers, or two real ones whose product is that of the mode's decay.
+        Where other multipliers are equal or so close that eigenvectors mix, more than two eigenvectors have, or fewer.
+        Of a single mode then one multiplier is enough: its partner is its conjugate or, both being real, the one with
+        which it has the product that the decay of the mode demands; of several such pairs the one nearest to
+        instability is taken. Of two different modes those that span the reference best are taken.
         """
         part = np.linalg.norm(inside, axis=0)
         candidates = np.flatnonzero(part > max(LEAST_PART, COMPARABLE * np.sort(part)[-2])).tolist()
-        decay = self.resonance.decay * T
-
-        def belong(pair: list[int]) -> bool:
-            first, second = mu[pair]
-            if first.imag or second.imag:
-                return bool(first == second.conj())
-            excess = abs(np.log(abs(first * second)) + decay)
-            return bool(excess <= 0.5 * abs(np.log(abs(first / second))) + 0.1 * decay + LEAST_DAMPING)
-
-        pairs = [list(pair) for pair in combinations(candidates, 2)]
-        if self.lock is not None and len(pairs) > 1:
-            pairs = [pair for pair in pairs if belong(pair)]
+        if len(candidates) == 2:
+            return candidates
+        if self.lock is None:
+            pairs = [list(pair) for pair in combinations(candidates, 2)]
+            score = [abs(np.linalg.det(inside[:, pair])) for pair in pairs]
+        else:
+            decay = self.resonance.decay * T
+            pairs = [[first, _partner(mu, first, decay)] for first in candidates]
+            score = [instability(mu[pair], self.lock, True, 0.0)[0] for pair in pairs]
         if not pairs:
             raise LostError
-        if self.lock is None:
-            return max(pairs, key=lambda pair: abs(np.linalg.det(inside[:, pair])))
-        return max(pairs, key=lambda pair: instability(mu[pair], self.lock, True, 0.0)[0])
+        return pairs[int(np.argmax(score))]
 
 
 def instability(mu: ComplexArray, lock: float | None, reciprocal: bool, shift: float) -> tuple[float, float]:
@@ -164,6 +161,16 @@ def instability(mu: ComplexArray, lock: float | None, reciprocal: bool, shift: f
     skew = Delta.imag / p
     error *= 1 + 2 * abs(skew) / p
     return Delta.real + skew**2 - p**2 / 4, error + (p / 2 + 2 * skew**2 / p) * shift
+
+
+def _partner(mu: ComplexArray, first: int, decay: float) -> int:
+    """Return the multiplier that belongs to the same mode as ``first``."""
+    if mu[first].imag:
+        return int(np.abs(mu - mu[first].conj()).argmin())
+    others = [i for i in np.flatnonzero(mu.imag == 0) if i != first]
+    if not others:
+        raise LostError
+    return int(min(others, key=lambda i: abs(np.log(abs(mu[i] * mu[first])) + decay)))
 
 
 def _home(blocks: list[Reduction], solution: ComplexArray) -> Reduction:

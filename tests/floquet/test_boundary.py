@@ -58,7 +58,7 @@ def test_the_oracle_for_mathieu():
     [
         (1, [1e-6, 1e-3, 0.1, 0.5, 1.0, 2.0, 4.0], Kind.MINUS_ONE),
         (2, [1e-2, 0.1, 0.5, 1.5], Kind.PLUS_ONE),
-        (3, [0.05, 0.3, 1.5], Kind.MINUS_ONE),
+        (3, [0.01, 0.05, 0.3, 1.5], Kind.MINUS_ONE),  # the first is 1e-7 wide
         (4, [0.3, 1.0], Kind.PLUS_ONE),
     ],
 )
@@ -253,6 +253,64 @@ def test_narrow_region_among_other_multipliers():
     trace = trace_boundary(MovingPlate(), 44.967, [0.9, 0.95, 1.0, 1.05, 1.1])
     for edge in (trace.lower, trace.upper):
         assert np.abs(np.diff(edge, 3)).max() < 1e-4  # the width is 0.09
+
+
+def test_another_tongue_inside_the_region():
+    # at eps = 0.3 the third tongue of a higher mode passes through the upper edge of 2 omega_2
+    trace = trace_boundary(MovingPlate(damping=2e-4), 30.9, [0.28, 0.29, 0.3, 0.31, 0.32])
+    assert np.isfinite(trace.lower).all()
+    assert np.isfinite(trace.upper).all()
+    assert np.abs(np.diff(trace.upper, 2)).max() < 1e-3
+
+
+def test_merged_regions():
+    # frequencies 1 and 1.05 with strong coupling: from eps = 0.2 on 2 omega_1, omega_1 + omega_2 and 2 omega_2 are one
+    # region; its edges come out the same from each, and are those of the verdicts
+    system = PeriodicSystem(
+        np.eye(2), np.zeros((2, 2)), np.zeros((2, 2)), np.diag([1.0, 1.05**2]), [[[1.0, 0.8], [0.8, 1.0]]]
+    )
+    traces = [trace_boundary(system, near, [0.05, 0.2]) for near in (2.0, 2.05, 2.1)]
+    assert [int(trace.kind[0]) for trace in traces] == [Kind.MINUS_ONE, Kind.COMPLEX, Kind.MINUS_ONE]
+    assert traces[0].upper[0] < traces[1].lower[0] < traces[1].upper[0] < traces[2].lower[0]
+    for trace in traces:
+        assert trace.kind[1] == Kind.MINUS_ONE
+        assert trace.lower[1] == pytest.approx(traces[0].lower[1], rel=1e-9)
+        assert trace.upper[1] == pytest.approx(traces[0].upper[1], rel=1e-9)
+    lower, upper = traces[0].lower[1], traces[0].upper[1]
+    for Omega in np.linspace(lower + 1e-6, upper - 1e-6, 20):
+        assert monodromy(system, Omega, 0.2).kind > Kind.STABLE
+    assert monodromy(system, lower - 1e-6, 0.2).kind == Kind.STABLE
+    assert monodromy(system, upper + 1e-6, 0.2).kind == Kind.STABLE
+
+
+def test_no_edge_is_invented_where_the_pair_is_lost():
+    # omega_1 = 1 and omega_2 = 5 share all multipliers at Omega = 2: at once four resonances with one another
+    coupled = PeriodicSystem(
+        np.eye(2), np.zeros((2, 2)), np.zeros((2, 2)), np.diag([1.0, 25.0]), [[[1.0, 5.0], [5.0, 5.0]]]
+    )
+    trace = trace_boundary(coupled, 2.0, [0.3, 1.5])
+    for i, eps in enumerate(trace.eps):
+        for edge, side in ((trace.lower[i], -1), (trace.upper[i], 1)):
+            if np.isfinite(edge):
+                inside, outside = (monodromy(coupled, edge * (1 - step * side), eps) for step in (1e-5, -1e-5))
+                assert inside.kind > Kind.STABLE
+                assert inside.growth_rate > outside.growth_rate
+
+
+def test_errors_of_edges_in_a_sensitive_case():
+    # faint damping: the edges of a combination resonance depend on the ratio of two tiny decays. In rotated coordinates
+    # the system is the same, rounding is not
+    plain = coupled_mathieu("sum", damping=(1e-9, 2e-8))
+    T = np.array([[0.8, 0.6], [-0.6, 0.8]])
+    arrays = (plain.mass, plain.gyroscopic, plain.damping, plain.stiffness, plain.cosine)
+    rotated = PeriodicSystem(*[T.T @ S @ T for S in arrays])
+    one, other = (trace_boundary(system, 2.7, [0.01, 0.1, 0.3]) for system in (plain, rotated))
+    for edge in ("lower", "upper"):
+        difference = np.abs(getattr(one, edge) - getattr(other, edge))
+        allowed = getattr(one, edge + "_error") + getattr(other, edge + "_error")
+        assert (difference <= 3 * allowed).all()
+        assert (difference > 1e-3 * allowed).all()
+        assert (allowed > 1e-8).all()  # more than the resolution of the search
 
 
 def test_family_is_asked_at_every_frequency():
