@@ -124,7 +124,8 @@ class Namer:
         chords = list(zip(ends[::2], ends[1::2], strict=True))
         chord = min(chords, key=lambda ends: max(ends[0] - Omega, Omega - ends[1]), default=(Omega, Omega))
         way = (Omega - sum(chord) / 2) * foot.low**2 / (level**2 - foot.low**2)
-        reach = TOLERANCES * self.tolerance + (chord[1] - chord[0]) + DOUBT * abs(way)
+        width = (chord[1] - chord[0]) * foot.low / level  # nothing at a foot at eps = 0
+        reach = TOLERANCES * self.tolerance + width + DOUBT * abs(way)
         centre = Omega + way
         low, high = min(Omega, centre) - reach, max(Omega, centre) + reach
         fitting = [n for n in self.names if n.kind == foot.low_kind and low <= n.centre <= high]

@@ -68,6 +68,8 @@ def loops(Omega: FloatArray, columns: Sequence[Column], places: set[Place], fine
     them, in the middle of the stable gaps that begin there. What remains of the sides of all quadrilaterals after those
     between two of them cancel is a set of closed polylines. In slabs up to ``finest`` wide edges may jump.
     """
+    bottom = min(interval.low for column in columns for interval in column)
+    top = max(interval.high for column in columns for interval in column)
     where: dict[Corner, tuple[float, float, int]] = {}
     neighbours: dict[Corner, list[Corner]] = {}
 
@@ -94,7 +96,7 @@ def loops(Omega: FloatArray, columns: Sequence[Column], places: set[Place], fine
                     join(a, b)
                 else:
                     middle = (c, i, f"{a[2]} bend", k)
-                    where[middle] = (*bend, where[a][2])
+                    where[middle] = (bend[0], min(max(bend[1], bottom), top), where[a][2])
                     join(a, middle)
                     join(middle, b)
             if number + 1 < len(pairs):

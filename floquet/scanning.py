@@ -20,7 +20,7 @@ from floquet.verdict import Cells, combine, dominant, dominant_symplectic, judge
 from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import FloatArray
 
-# Amplitudes of a column are this part of their range apart; an end of an interval is interpolated between two.
+# Amplitudes in the window; an end of an interval is interpolated between two of them.
 AMPLITUDES = 128
 # Error of the multipliers, as `floquet.column` has it; an edge is off by about as much. `steps_needed` aims lower.
 ERROR = 1e-9
@@ -130,9 +130,7 @@ class _Slabs:
                 sag = curvature.max(initial=0.0) * h[here] ** 2 / 8
                 steep = abs(slope[here])
                 if here == 1 and len(slope) == 3 and not slope.min() < slope[1] < slope.max():
-                    steep = np.abs(
-                        slope
-                    ).min()  # where an edge jumps, its distance from the chord is along the flat side
+                    steep = np.abs(slope).min()  # where an edge jumps, it is off the chord along its flat part
                 if sag > self.tolerance * np.hypot(1, steep):
                     return True
         return False

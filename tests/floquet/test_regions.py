@@ -117,6 +117,16 @@ def test_combination_resonances_are_named(kind: str, label: str, centre: float) 
     assert regions[0].resonances[0].centre == pytest.approx(centre, rel=1e-12)
 
 
+def test_a_difference_of_modes_is_told_from_a_sum_of_high_order_nearby() -> None:
+    # (ω₁+ω₂)/4 = 0.675 and 2ω₂/5 = 0.68 are of the same order of magnitude, and inside the region of ω₂−ω₁ = 0.7
+    regions = trace_regions(coupled_mathieu("difference"), (0.3, 4.0), (0.0, 1.0), progress=False)
+    assert "ω₂−ω₁" in regions[0].label.split(", ")
+    for region in regions:
+        for loop in region.outlines:
+            assert loop.eps.min() >= 0
+            assert loop.eps.max() <= 1
+
+
 def test_damping_lifts_the_tip() -> None:
     # exact to first order: closed below eps = 2 omega damping (periodic.examples.mathieu); the next order is eps^3
     regions = trace_regions(mathieu(damping=0.1), (1.6, 2.5), (0.0, 0.6), progress=False)
