@@ -1,0 +1,113 @@
+"""scripts/benchmark.py: errors verified, ratios computed, tables written. No test asserts a time."""
+
+from __future__ import annotations
+
+import dataclasses
+import importlib.util
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+import scipy.linalg
+
+from compare import benchmark
+from compare.peers import PEERS, Equations, modal_equations, rk4
+from floquet import monodromy
+
+ROOT = Path(__file__).resolve().parents[2]
+TINY = benchmark.Plan(columns=16, rows=8, sizes=(12,), rounds=(1,), points=1)
+
+
+@pytest.fixture(scope="module")
+def script() -> ModuleType:
+    spec = importlib.util.spec_from_file_location("benchmark_script", ROOT / "scripts" / "benchmark.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.mark.parametrize("peer", PEERS, ids=lambda peer: peer.name)
+def test_peer_finds_the_multipliers(peer) -> None:
+    """At a fine setting every method gives the trace and the largest modulus that `monodromy` gives."""
+    if peer.missing:
+        pytest.skip(peer.missing)
+    plate = benchmark.plate(12, 0.0)
+    fine = 4096.0 if peer.package == "numba" else 1e-10
+    matrix = peer.prepare(modal_equations(plate.at(36.0)), fine)(36.0, 0.9)
+    expected = monodromy(plate, 36.0, 0.9).multipliers
+    found = np.linalg.eigvals(matrix)
+    assert abs(found.sum() - expected.sum()) < 1e-7
+    assert abs(np.abs(found).max() - np.abs(expected).max()) < 1e-7
+
+
+def test_runge_kutta_has_order_four() -> None:
+    """Without excitation the matrix is exp(A T)."""
+    equations = Equations(
+        np.array([[0.1, 1.0], [-1.0, 0.2]]), np.diag([1.0, 3.0]), np.zeros((1, 2, 2)), np.zeros((1, 2, 2))
+    )
+    zero, one = np.zeros((2, 2)), np.eye(2)
+    A = np.block([[zero, one], [-equations.stiffness, -equations.velocity]])
+    exact = scipy.linalg.expm(A * 2 * np.pi / 3.0)
+    errors = [np.linalg.norm(rk4(*equations, 3.0, 0.5, steps) - exact) for steps in (64, 128)]
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.1)
+
+
+def test_comparison_verifies_errors_and_skips_what_is_missing() -> None:
+    absent = dataclasses.replace(PEERS[0], name="absent", package="no_such_package")
+    hopeless = dataclasses.replace(PEERS[1], name="hopeless", settings=(2.0,))
+    found = next(benchmark.compare_methods(TINY, (PEERS[1], absent, hopeless)))
+    assert found.size == 12
+    assert found.chart.error < benchmark.ACCURACY
+    good, skipped, failed = found.peers
+    assert 0 < good.error <= benchmark.ACCURACY
+    assert len(good.seconds) == 1
+    assert "no_such_package is not installed" in skipped.skipped
+    assert "no setting reached" in failed.skipped
+    table = benchmark.comparison_table([found])
+    assert table.count("\n") == 5
+    assert "| 12 | 0 | absent | skipped: no_such_package" in table
+
+
+def test_ratio_and_spread() -> None:
+    chart = benchmark.Timing("stability_chart", (1e-5, 2e-5, 4e-5), 1e-11)
+    peer = benchmark.Timing("peer", (2e-3, 2e-3, 2e-3), 1e-9, 1e-7)
+    table = benchmark.comparison_table([benchmark.Comparison(12, 0.0, chart, (peer,))])
+    assert "| stability_chart | 20.0 | 150% | 1 | 1e-11 |  |" in table
+    assert "| peer | 2,000.0 | 0% | 100 | 1e-09 | 1e-07 |" in table
+
+
+def test_fresh_process_reports_itself() -> None:
+    wall, cpu, memory = benchmark.fresh_process("pass")
+    assert wall >= 0
+    assert cpu >= 0
+    assert np.isnan(memory) or 1 < memory < 100  # a bare python, not the parent's memory
+
+
+def test_tables_go_between_the_marks(script: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    chart = benchmark.Timing("stability_chart", (1e-5,), 1e-11)
+    monkeypatch.setattr(benchmark, "compare_methods", lambda plan: iter([benchmark.Comparison(12, 0.0, chart, ())]))
+    monkeypatch.setattr(benchmark, "scaling", lambda plan: [("16 x 8, 1 job", 3.0, 0.5)])
+    monkeypatch.setattr(benchmark, "start_up", lambda plan: [("import", 0.5, 0.4, 99.0)])
+    page = tmp_path / "page.md"
+    page.write_text(f"before\n{script.BEGIN}\nold\n{script.END}\nafter\n", encoding="utf-8")
+    assert script.main(["--quick", "--output", str(page)]) == 0
+    text = page.read_text(encoding="utf-8")
+    assert text.startswith("before\n")
+    assert text.endswith("after\n")
+    assert "old" not in text
+    for part in (
+        "| 12 | 0 | stability_chart | 10.0 |",
+        "| 16 x 8, 1 job | 3.0 | 0.50 |",
+        "| import | 0.5 | 0.4 | 99 |",
+    ):
+        assert part in text
+
+
+@pytest.mark.parametrize(("ratio", "status"), [(0.1, 0), (1e9, 1)])
+def test_check_compares_with_the_limits(script: ModuleType, monkeypatch, capsys, ratio: float, status: int) -> None:
+    monkeypatch.setattr(benchmark, "regression", lambda: dict.fromkeys(benchmark.LIMITS, ratio))
+    assert script.main(["--check"]) == status
+    assert capsys.readouterr().out.count("too slow") == status * len(benchmark.LIMITS)
