@@ -244,7 +244,7 @@ def start_up(plan: Plan) -> list[tuple[str, float, float, float]]:
 
 
 # A chart costs per point as much as this many steps of `compare.peers.rk4` at the same size, elastic and damped: about
-# twice what was measured (2.9, 2.9, 1.7, 1.8), which is more than the scatter on a shared machine.
+# twice what one run measured (2.7, 3.1, 1.7, 1.8), which is more than the scatter on a shared machine.
 LIMITS = {(12, 0.0): 6.0, (12, DAMPING): 6.0, (28, 0.0): 3.5, (28, DAMPING): 3.5}
 REFERENCE_STEPS = 2000
 
