@@ -17,7 +17,9 @@ ONE_EACH = np.eye(8)[None]  # lane i is sample i: weights (1 group, 8 samples, 8
 
 def lanes(matrices):
     """Eigenvalues of eight matrices (8, n, n), one to a lane."""
-    return eigenvalues(np.ascontiguousarray(matrices, dtype=float), ONE_EACH)
+    # a lane that has converged computes on, and what it finds is thrown away: without compilation NumPy would warn
+    with np.errstate(all="ignore"):
+        return eigenvalues(np.ascontiguousarray(matrices, dtype=float), ONE_EACH)
 
 
 def distance(found, expected):
