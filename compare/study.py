@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from joblib import Parallel, delayed
+from threadpoolctl import threadpool_limits
 from tqdm import tqdm
 
 from compare.agreement import DEFAULT_LADDER, RegionAgreement, agreement
@@ -134,7 +135,10 @@ def run_case(case: Case, *, n_jobs: int = -1, quick: bool = False, progress: boo
     ValueError
         If a system of the case cannot be analysed, for instance above its divergence speed.
     """
-    variants = [_run_variant(case, label, family, n_jobs, quick, progress) for label, family in case.systems().items()]
+    with threadpool_limits(limits=1, user_api="blas"):  # the matrices are small: threads of BLAS would only fight
+        variants = [
+            _run_variant(case, label, plate, n_jobs, quick, progress) for label, plate in case.systems().items()
+        ]
     return CaseStudy(case, variants)
 
 
