@@ -45,7 +45,7 @@ class Exploration:
     curves : list of TransitionCurve
         Analytic regions that are open somewhere in the window, by ascending centre.
     regions : list of Region
-        Every region of instability in the window, traced and named; empty on the live page, which has no time for it.
+        Every region of instability in the window, traced and named; empty if that was not wanted.
     order : int
         Order of the theory, 1 or 2.
     remark : str
@@ -111,6 +111,7 @@ def explore(
     *,
     points: tuple[int, int] = (256, 128),
     order: int = 1,
+    trace: bool = True,
     title: str = "",
     n_jobs: int = -1,
     progress: bool = False,
@@ -129,6 +130,8 @@ def explore(
         Columns along Omega and rows along eps, 2 to 10,000 each.
     order : 1 or 2
         Order of the theory.
+    trace : bool
+        Whether to trace the regions; takes about as long as a chart of 256 columns.
     title : str
         Heading.
     n_jobs : int
@@ -150,7 +153,8 @@ def explore(
     chart = stability_chart(
         family, np.linspace(*window, columns), np.linspace(0, eps_max, rows), n_jobs=n_jobs, progress=progress
     )
-    regions = trace_regions(family, window, (0.0, eps_max), n_jobs=n_jobs, progress=progress)
+    bounds = window, (0.0, eps_max)
+    regions = trace_regions(family, *bounds, n_jobs=n_jobs, progress=progress) if trace else []
     return Exploration(title, chart, curves, regions, order, remark)
 
 

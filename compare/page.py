@@ -7,6 +7,7 @@ Everything the page shows lives in four sources. `Page.show` fills those of the 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -37,11 +38,10 @@ from bokeh.plotting import figure
 from bokeh.resources import INLINE
 
 from compare.exploration import Exploration
-from compare.outlines import closed
 from compare.overlay import BLUE, GREEN, GREY, ORANGE, PURPLE
+from compare.page_data import cell_data, curve_data, label_data, outline_data, point_data
 from compare.response import Response
-from floquet import Kind, Region, StabilityChart
-from perturb import TransitionCurve
+from floquet import Kind
 
 SCRIPT = (Path(__file__).parent / "page.js").read_text(encoding="utf-8")
 STYLE = {"font-family": "system-ui, sans-serif", "font-size": "14px", "color": "#222"}
@@ -50,18 +50,13 @@ STYLE = {"font-family": "system-ui, sans-serif", "font-size": "14px", "color": "
 GROWTH_PALETTE = tuple(reversed(Blues256[:220]))
 UNDECIDED_GREY = "#bbbbbb"
 KIND_COLOURS = {Kind.PLUS_ONE: GREEN, Kind.MINUS_ONE: BLUE, Kind.COMPLEX: PURPLE}
-KIND_NAMES = {
-    Kind.UNDECIDED: "undecided",
-    Kind.STABLE: "stable",
-    Kind.PLUS_ONE: "unstable, multiplier near +1",
-    Kind.MINUS_ONE: "unstable, multiplier near −1",
-    Kind.COMPLEX: "unstable, complex pair",
-}
-UNEXPLAINED = "no resonance explains it"
-CURVE_POINTS = 121
-# A label takes this part of the window's width; regions narrower than the other part get none, nor those that find no
-# place on these lines (the curve under the pointer tells its name).
-LABEL_WIDTH, LEAST_WIDTH, LABEL_LINES = 0.055, 1 / 400, 4
+KIND_NAMES = [
+    (int(Kind.UNDECIDED), "undecided"),
+    (int(Kind.STABLE), "stable"),
+    (int(Kind.PLUS_ONE), "unstable, multiplier near +1"),
+    (int(Kind.MINUS_ONE), "unstable, multiplier near −1"),
+    (int(Kind.COMPLEX), "unstable, complex pair"),
+]
 PERIODS = 10
 MOST_DECADES = 16  # circles around the unit circle, at |mu| = 10, 100, ...
 
@@ -78,25 +73,21 @@ class Page:
     """
 
     def __init__(self, title: str, hint: str) -> None:
-        self.cells = ColumnDataSource(_cell_data(None), name="cells")
+        self.cells = ColumnDataSource(cell_data(None), name="cells")
         self.curves = ColumnDataSource({"xs": [], "ys": [], "label": []}, name="curves")
         self.outlines = ColumnDataSource({"xs": [], "ys": [], "label": []}, name="outlines")
         self.labels = ColumnDataSource({"x": [], "y": [], "text": []}, name="labels")
-        self.points = ColumnDataSource(_point_data([]), name="points")
-        self.heading = Div(text="", styles=STYLE, margin=(8, 10, 0, 10))
+        self.points = ColumnDataSource(point_data([]), name="points")
+        heading = f"<b style='font-size:17px'>{escape(title)}</b>"
+        self.heading = Div(text=heading, styles=STYLE, margin=(8, 10, 0, 10))
         self.message = Div(text="", styles=STYLE, margin=(0, 10, 0, 10), name="message")
         self.facts = Div(text=hint, height=66, styles=STYLE, margin=(0, 10, 0, 10), name="facts")
         self.figure = self._chart()
         self._draw = self._details()
-        self.title(title)
-
-    def title(self, text: str) -> None:
-        """Set the heading."""
-        self.heading.text = f"<b style='font-size:17px'>{_escaped(text)}</b>"
 
     def tell(self, text: str, *, fault: bool = False) -> None:
         """Show a sentence under the heading, in the warning colour for a ``fault``."""
-        self.message.text = f"<span style='color:{ORANGE if fault else GREY}'>{_escaped(text)}</span>"
+        self.message.text = f"<span style='color:{ORANGE if fault else GREY}'>{escape(text)}</span>"
 
     def frame(self, Omega: tuple[float, float], eps: tuple[float, float]) -> None:
         """Set the window that the page opens with and that the reset tool goes back to."""
@@ -106,17 +97,18 @@ class Page:
     def show(self, exploration: Exploration) -> None:
         """Show a chart with its curves."""
         chart = exploration.chart
-        self.cells.data = _cell_data(chart)
+        self.cells.data = cell_data(chart)
         unstable = chart.growth_rate[chart.kind > Kind.STABLE]
         self._growth_colours.high = float(unstable.max()) if unstable.size else 1.0
-        self.curves.data = _curve_data(exploration.curves, chart)
-        self.outlines.data = _outline_data(exploration.regions)
-        self.labels.data = _label_data(exploration.curves, chart)
+        self.curves.data = curve_data(exploration.curves, chart)
+        self.outlines.data = outline_data(exploration.regions)
+        self._outline_item.visible = bool(exploration.regions)
+        self.labels.data = label_data(exploration.curves, chart)
         self._curve_item.label = value(f"multiple scales, order {exploration.order}")
 
     def pick(self, response: Response) -> None:
         """Show one point (live page)."""
-        self.points.data = _point_data([response])
+        self.points.data = point_data([response])
 
     def live(self, document: Document, controls: Sequence[LayoutDOM]) -> None:
         """Put the page into a server's document, to draw a point whenever `pick` gives one."""
@@ -128,7 +120,9 @@ class Page:
 
     def html(self, responses: Sequence[Response]) -> str:
         """Return the page as one file that needs no server: a click shows the nearest of ``responses``."""
-        self.points.data = _point_data(responses)
+        self.points.data = point_data(responses)
+        if not responses:
+            self.facts.text = "There is nothing to click: no point could be integrated in reasonable time."
         nearest = CustomJS(args=self._draw, code=f"{SCRIPT}\ndraw(nearest(cb_obj.x, cb_obj.y))")
         self.figure.js_on_event(Tap, nearest)
         document = Document(title="Stability chart")
@@ -188,11 +182,12 @@ class Page:
             [], [], marker="circle_x", size=13, fill_alpha=0, line_color="black", line_width=1.5
         )
         undecided = plot.scatter([np.nan], [np.nan], marker="square", size=9, color=UNDECIDED_GREY)
+        self._outline_item = LegendItem(label="Floquet boundary (traced)", renderers=[outlines])
         self._curve_item = LegendItem(label="multiple scales", renderers=[curves])
         plot.add_layout(
             Legend(
                 items=[
-                    LegendItem(label="Floquet boundary (traced)", renderers=[outlines]),
+                    self._outline_item,
                     self._curve_item,
                     LegendItem(label="region labels", renderers=[labels]),
                     LegendItem(label="undecided", renderers=[undecided]),
@@ -204,9 +199,8 @@ class Page:
             "above",
         )
         place = CustomJSHover(args={"cells": self.cells}, code=f"{SCRIPT}\nreturn coordinate(special_vars, format)")
-        names = {int(kind): name for kind, name in KIND_NAMES.items()}
         kind_name = CustomJSHover(
-            args={"names": [*names.items()]}, code="return new Map(names).get(Math.round(value)) ?? 'stable'"
+            args={"names": KIND_NAMES}, code="return new Map(names).get(Math.round(value)) ?? 'stable'"
         )
         plot.add_tools(
             HoverTool(
@@ -274,99 +268,7 @@ class Page:
             "wave": self._wave,
             "chart": self.figure,
             "facts": self.facts,
-            "names": [[int(kind), name] for kind, name in KIND_NAMES.items()],
+            "names": KIND_NAMES,
             "colours": [BLUE, ORANGE],
             "periods": PERIODS,
         }
-
-
-def _cell_data(chart: StabilityChart | None) -> dict[str, Any]:
-    """Return the images of a chart: cells are centred on its grid points. Stable cells are transparent."""
-    names = ("growth", "kind", "rate", "verdict", "error")
-    if chart is None:
-        return {name: [] for name in (*names, "x", "y", "dw", "dh")}
-    unstable, undecided = chart.kind > Kind.STABLE, chart.kind == Kind.UNDECIDED
-    growth = np.where(unstable, chart.growth_rate, np.where(undecided, -1.0, np.nan))
-    kind = np.where(unstable | undecided, chart.kind, np.nan)
-    arrays = (growth, kind, chart.growth_rate, chart.kind, chart.error)
-    images = {name: [np.asarray(array, np.float32)] for name, array in zip(names, arrays, strict=True)}
-    (x, dw), (y, dh) = _extent(chart.Omega), _extent(chart.eps)
-    return {**images, "x": [x], "y": [y], "dw": [dw], "dh": [dh]}
-
-
-def _extent(grid: np.ndarray) -> tuple[float, float]:
-    step = float(grid[-1] - grid[0]) / (grid.size - 1)
-    return float(grid[0]) - step / 2, step * grid.size
-
-
-def _curve_data(curves: Sequence[TransitionCurve], chart: StabilityChart) -> dict[str, Any]:
-    eps_max = float(chart.eps[-1])
-    # crowded towards each tip, where a damped region turns
-    share = np.linspace(0, 1, CURVE_POINTS) ** 2
-    xs, ys, names = [], [], []
-    for curve in curves:
-        start = curve.tip if 0 < curve.tip < eps_max else 0.0
-        eps = start + (eps_max - start) * share
-        for edge in curve.edges(eps):
-            xs.append(np.where(np.isfinite(edge), edge, np.nan))
-            ys.append(eps)
-            names.append(curve.label)
-    return {"xs": xs, "ys": ys, "label": names}
-
-
-def _outline_data(regions: Sequence[Region]) -> dict[str, Any]:
-    pairs = [(region.label or UNEXPLAINED, loop) for region in regions for loop in region.outlines]
-    return {
-        "xs": [closed(loop.Omega) for _, loop in pairs],
-        "ys": [closed(loop.eps) for _, loop in pairs],
-        "label": [label for label, _ in pairs],
-    }
-
-
-def _label_data(curves: Sequence[TransitionCurve], chart: StabilityChart) -> dict[str, Any]:
-    """Place the names of the widest regions at the top of the chart, on lines without overlap."""
-    low, high, bottom, top = (float(grid[end]) for grid in (chart.Omega, chart.eps) for end in (0, -1))
-    room = LABEL_WIDTH * (high - low)
-    seen = []
-    for curve in curves:
-        lower, upper = curve.edges(top)
-        if low < curve.centre < high and upper - lower > LEAST_WIDTH * (high - low):
-            seen.append((min(float(upper), high) - max(float(lower), low), curve))
-    placed: list[tuple[int, float, float, str]] = []
-    for _, curve in sorted(seen, key=lambda pair: -pair[0]):
-        half = 0.5 * room * max(1.0, len(curve.label) / 5)
-        for line in range(LABEL_LINES):
-            if all(abs(curve.centre - x) > half + other for at, x, other, _ in placed if at == line):
-                placed.append((line, curve.centre, half, curve.label))
-                break
-    return {
-        "x": [x for _, x, _, _ in placed],
-        "y": [top - (top - bottom) * (0.015 + 0.05 * line) for line, *_ in placed],
-        "text": [label for *_, label in placed],
-    }
-
-
-def _point_data(responses: Sequence[Response]) -> dict[str, Any]:
-    """Return one row for each response; multipliers and waves as rows of a matrix."""
-
-    def matrix(values: list[np.ndarray]) -> np.ndarray:
-        return np.array(values, np.float32) if values else np.empty((0, 0), np.float32)
-
-    return {
-        "Omega": np.array([r.Omega for r in responses]),
-        "eps": np.array([r.eps for r in responses]),
-        "rate": np.array([r.growth_rate for r in responses]),
-        "error": np.array([r.error for r in responses]),
-        "kind": np.array([int(r.kind) for r in responses], np.int32),
-        "coordinate": np.array([r.coordinate + 1 for r in responses], np.int32),
-        "mu_re": np.array([r.mu.real for r in responses]),
-        "mu_im": np.array([r.mu.imag for r in responses]),
-        "re": matrix([r.multipliers.real for r in responses]),
-        "im": matrix([r.multipliers.imag for r in responses]),
-        "wave_re": matrix([r.wave.real for r in responses]),
-        "wave_im": matrix([r.wave.imag for r in responses]),
-    }
-
-
-def _escaped(text: str) -> str:
-    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")

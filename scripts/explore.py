@@ -98,6 +98,7 @@ def _parser() -> argparse.ArgumentParser:
     result = parser.add_argument_group("result")
     result.add_argument("--html", action="store_true", help="also one self-contained page (needs bokeh)")
     result.add_argument("--netcdf", action="store_true", help="also the chart as NetCDF (needs xarray)")
+    result.add_argument("--no-regions", action="store_true", help="do not trace the regions, which takes as long again")
     result.add_argument("--sweep", metavar="NAME=LOW:HIGH:COUNT", help="instead: regions over a parameter of the plate")
     result.add_argument("--serve", action="store_true", help="instead: the page live, with sliders (needs bokeh)")
     result.add_argument("--port", type=int, default=5006, help="of the live page (5006); 0 takes a free one")
@@ -145,6 +146,7 @@ def _chart(subject: Subject, options: argparse.Namespace, folder: Path) -> None:
         subject.eps,
         points=subject.points,
         order=options.order,
+        trace=not options.no_regions,
         title=subject.title,
         n_jobs=options.jobs,
         progress=progress,
