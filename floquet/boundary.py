@@ -24,10 +24,11 @@ STATION = 0.25
 MOST_STATIONS = 400
 # Most points on the way to the middle of a region, and to bracket an edge. A parabola needs about 6 and 3.
 MOST_TRIALS = 40
+# How like the two modes the pair must still be (cosine of the angle) for what is found to count as their region, and
+# for nothing found to count as their region closed.
+OPEN_LIKENESS, CLOSED_LIKENESS = 0.5, 0.8
 # What f may differ from zero by at an edge, compared with its value inside.
 LARGEST_JUMP = 1e-3
-# Part of a step by which to go aside where another multiplier passes through the pair.
-ASIDE = 0.02
 # An edge is looked for between these multiples of the frequency of resonance.
 LOWEST, HIGHEST = 0.2, 5.0
 
@@ -148,8 +149,11 @@ class _Route:
             return Kind.STABLE, closed
         try:
             self._advance(eps)
-            top = self._top(eps, exact=False)
+            expected, top = self._top(eps, exact=False)
         except LostError:
+            return Kind.UNDECIDED, closed
+        likeness = min(self.pair.likeness(point, eps) for point in (expected, top))
+        if likeness < (OPEN_LIKENESS if top.value > 0 else CLOSED_LIKENESS):
             return Kind.UNDECIDED, closed
         if top.value <= 0:
             return Kind.STABLE, closed
@@ -163,18 +167,11 @@ class _Route:
         """Add the stations below ``eps``. They lie on a fixed ladder: no result depends on what else was asked for."""
         while self.stations[-1].eps + self.spacing < eps:
             following = self.stations[-1].eps + self.spacing
-            top = self._top(following, exact=True)
+            _, top = self._top(following, exact=True)
             self.stations.append(_Station(following, top.Omega, top.solutions))
 
-    def _aside(self, Omega: float, eps: float, reference: ComplexArray, shift: float) -> Point:
-        """Return the pair at ``Omega``, or at ``Omega + shift`` if another multiplier happens to be too near."""
-        try:
-            return self.pair.at(Omega, eps, reference)
-        except LostError:
-            return self.pair.at(Omega + shift, eps, reference)
-
-    def _top(self, eps: float, exact: bool) -> Point:
-        """Return a point inside the region or, if it is closed, that of the largest test function.
+    def _top(self, eps: float, exact: bool) -> tuple[Point, Point]:
+        """Return where the region is expected, and a point inside it or, if it is closed, that of the largest f.
 
         Parabolas through the three best points. With ``exact``, or where the region has not been hit, to a tenth of its
         half width.
@@ -182,16 +179,17 @@ class _Route:
         start, reference = self._predict(eps)
         # the middle of the region moves with eps^2
         step = start * min(max(0.1 * (eps * self.pair.strength) ** 2, 1e-5), 0.02)
-        points = [self.pair.at(start, eps, reference)]
-        if points[0].value > 0 and not exact:
-            return points[0]
+        expected = self.pair.at(start, eps, reference)
+        if expected.value > 0 and not exact:
+            return expected, expected
+        points = [expected]
         points += [self.pair.at(start + sign * step, eps, reference) for sign in (-1, 1)]
         previous = np.inf
         for _ in range(MOST_TRIALS):
             points.sort(key=lambda point: -point.value)
             best = points[0]
             if best.value > 0 and not exact:
-                return best
+                return expected, best
             x, height, curvature = _parabola(points[:3])
             reach = 4 * max(abs(point.Omega - best.Omega) for point in points[1:3])
             if curvature >= 0:
@@ -205,7 +203,7 @@ class _Route:
                 break
             previous = height
             points.append(self.pair.at(x, eps, reference))
-        return points[0]
+        return expected, points[0]
 
     def _predict(self, eps: float) -> tuple[float, ComplexArray]:
         """Return where the middle of the region must be, to second order in eps, and the last solutions below."""
@@ -230,7 +228,7 @@ class _Route:
         try:
             for _ in range(MOST_TRIALS):
                 step = min(max(step, 10 * RESOLUTION * a.Omega), a.Omega / (8 * self.resonance.j))
-                b = self._aside(a.Omega + side * step, eps, a.solutions, -side * ASIDE * step)
+                b = self.pair.at(a.Omega + side * step, eps, a.solutions)
                 if b.value <= 0:
                     return self._zero(eps, a, b)
                 # where f falls, not much further than to the zero of the secant: beyond may be another region
@@ -246,11 +244,10 @@ class _Route:
     def _zero(self, eps: float, inside: Point, outside: Point) -> float:
         """Return the zero of f between two points."""
         values = {inside.Omega: inside.value, outside.Omega: outside.value}
-        aside = ASIDE * (inside.Omega - outside.Omega)
 
         def value(Omega: float) -> float:
             if Omega not in values:
-                values[Omega] = self._aside(Omega, eps, inside.solutions, aside).value
+                values[Omega] = self.pair.at(Omega, eps, inside.solutions).value
             return values[Omega]
 
         zero = float(brentq(value, inside.Omega, outside.Omega, xtol=RESOLUTION * inside.Omega))

@@ -89,6 +89,11 @@ class Pair:
         value, error = instability(mu[both], self.lock, block.reciprocal, shift)
         return Point(Omega, value, error, mu[both], block.to_q @ right[:, both])
 
+    def likeness(self, point: Point, eps: float) -> float:
+        """Return the cosine of the largest angle, in energy, between the two solutions at ``point`` and at eps = 0."""
+        from_q = self._block(point.Omega, eps).from_q
+        return float(np.cos(sla.subspace_angles(from_q @ self.resonance.solutions, from_q @ point.solutions).max()))
+
     def _block(self, Omega: float, eps: float) -> Reduction:
         """Return the block of the pair; computed anew only if the system or eps has changed."""
         member = self.family.at(Omega)
