@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import io
 import os
-import tempfile
 import zipfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -18,6 +18,7 @@ from tqdm import tqdm
 from floquet.audit import ChartAudit, integrate_again, sample
 from floquet.checkpoint import BlockStore
 from floquet.column import Columns, chart_block, steps_needed
+from floquet.files import replace_file
 from floquet.monodromy import member_at
 from floquet.multipliers import Kind
 from periodic import PeriodicSystem, SystemFamily
@@ -90,14 +91,9 @@ class StabilityChart:
         arrays = {name: getattr(self, name) for name in ("Omega", "eps", *CELLS)}
         if self.audit is not None:
             arrays |= {f"audit_{name}": getattr(self.audit, name) for name in AUDIT}
-        handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.", suffix=".part")
-        try:
-            with os.fdopen(handle, "wb") as file:
-                np.savez_compressed(file, **arrays)
-            os.replace(temporary, target)
-        except BaseException:
-            os.unlink(temporary)
-            raise
+        buffer = io.BytesIO()
+        np.savez_compressed(buffer, **arrays)
+        replace_file(target, buffer.getvalue())
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> StabilityChart:

@@ -17,6 +17,7 @@ import numpy as np
 import scipy
 
 from floquet.column import Columns
+from floquet.files import replace_file
 from periodic import PeriodicSystem
 from periodic.checks import FloatArray
 
@@ -82,16 +83,7 @@ class BlockStore:
         buffer = io.BytesIO()
         np.savez(buffer, **block._asdict())
         content = buffer.getvalue()
-        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=".part")
-        try:
-            with os.fdopen(handle, "wb") as file:
-                file.write(hashlib.sha256(content).digest() + content)
-                file.flush()
-                os.fsync(file.fileno())
-            os.replace(temporary, path)
-        except BaseException:
-            os.unlink(temporary)
-            raise
+        replace_file(path, hashlib.sha256(content).digest() + content)
 
 
 @cache
