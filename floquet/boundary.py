@@ -28,7 +28,7 @@ MOST_TRIALS = 40
 # for nothing found to count as their region closed.
 OPEN_LIKENESS, CLOSED_LIKENESS = 0.5, 0.8
 # What f may differ from zero by at an edge, compared with its value inside.
-LARGEST_JUMP = 1e-3
+LARGEST_JUMP = 1e-6
 # An edge is looked for between these multiples of the frequency of resonance.
 LOWEST, HIGHEST = 0.2, 5.0
 
@@ -251,9 +251,10 @@ class _Route:
             return values[Omega]
 
         zero = float(brentq(value, inside.Omega, outside.Omega, xtol=RESOLUTION * inside.Omega))
-        # as near to the zero as this, f is that part of its value inside, unless it changes sign by a jump
+        # f must vanish on both sides of the zero; where it jumps, another pair has taken over
         nearness = 10 * RESOLUTION * zero / max(abs(zero - inside.Omega), RESOLUTION * zero)
-        if min(map(abs, values.values())) > (LARGEST_JUMP + nearness) * inside.value:
+        jumps = min(map(abs, values.values())) > (LARGEST_JUMP + nearness) * inside.value
+        if jumps or value(zero + 1e-3 * (inside.Omega - zero)) > 0.1 * inside.value:
             raise LostError
         return zero
 

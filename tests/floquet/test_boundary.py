@@ -58,7 +58,7 @@ def test_the_oracle_for_mathieu():
     [
         (1, [1e-6, 1e-3, 0.1, 0.5, 1.0, 2.0, 4.0], Kind.MINUS_ONE),
         (2, [1e-2, 0.1, 0.5, 1.5], Kind.PLUS_ONE),
-        (3, [0.01, 0.05, 0.3, 1.5], Kind.MINUS_ONE),  # the first is 1e-7 wide
+        (3, [0.005, 0.05, 0.3, 1.5], Kind.MINUS_ONE),  # the first is 1e-8 wide
         (4, [0.3, 1.0], Kind.PLUS_ONE),
     ],
 )
@@ -283,18 +283,28 @@ def test_merged_regions():
     assert monodromy(system, upper + 1e-6, 0.2).kind == Kind.STABLE
 
 
-def test_no_edge_is_invented_where_the_pair_is_lost():
-    # omega_1 = 1 and omega_2 = 5 share all multipliers at Omega = 2: at once four resonances with one another
+def test_two_resonances_at_once_are_undecided():
+    # omega_2 = 3 omega_1: Omega = 2 is 2 omega_1 and omega_2 - omega_1, and the pair is like neither from the beginning
     coupled = PeriodicSystem(
-        np.eye(2), np.zeros((2, 2)), np.zeros((2, 2)), np.diag([1.0, 25.0]), [[[1.0, 5.0], [5.0, 5.0]]]
+        np.eye(2), np.zeros((2, 2)), np.zeros((2, 2)), np.diag([1.0, 9.0]), [[[0.2, 2.0], [2.0, -3.0]]]
     )
-    trace = trace_boundary(coupled, 2.0, [0.3, 1.5])
-    for i, eps in enumerate(trace.eps):
-        for edge, side in ((trace.lower[i], -1), (trace.upper[i], 1)):
-            if np.isfinite(edge):
-                inside, outside = (monodromy(coupled, edge * (1 - step * side), eps) for step in (1e-5, -1e-5))
-                assert inside.kind > Kind.STABLE
-                assert inside.growth_rate > outside.growth_rate
+    trace = trace_boundary(coupled, 2.0, [0.01, 0.1, 0.5])
+    assert (trace.kind == Kind.UNDECIDED).all()
+    assert np.isnan(trace.lower).all()
+    assert not trace.is_open.any()
+
+
+def test_difference_type_stays_closed_on_the_plate(plate):
+    # L_diff < 0 for symmetric F (theory.md, section 5)
+    trace = trace_boundary(plate, 26.5, [0.01, 0.1, 0.3])
+    assert trace.resonance.kind == "difference"
+    assert (trace.resonance.p, trace.resonance.q) == (3, 1)
+    assert (trace.kind == Kind.STABLE).all()
+
+
+def test_regions_narrower_than_the_resolution_count_as_closed():
+    # the third tongue of Mathieu's equation at eps = 1e-3 is 1e-10 wide
+    assert trace_boundary(mathieu(), 2 / 3, 1e-3).kind[0] == Kind.STABLE
 
 
 def test_errors_of_edges_in_a_sensitive_case():

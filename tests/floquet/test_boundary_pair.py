@@ -1,0 +1,91 @@
+"""The test function of a pair of multipliers, and what the search does when it jumps."""
+
+from __future__ import annotations
+
+import cmath
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from floquet.boundary import _Route
+from floquet.pair import LostError, Point, instability
+from floquet.resonance import nearest_resonance
+from periodic.examples import mathieu
+
+logs = st.complex_numbers(max_magnitude=1.0, allow_nan=False, allow_infinity=False)
+
+
+@settings(max_examples=200, deadline=None)
+@given(logs, logs)
+def test_sign_is_that_of_the_larger_growth(a, b):
+    mu = np.exp(np.array([a, b]))
+    value, _ = instability(mu, None, False, 0.0)
+    growth = max(a.real, b.real)
+    if abs(growth) > 1e-6 and abs(a.real + b.real) > 1e-6:
+        assert (value > 0) == (growth > 0)
+    swapped, _ = instability(mu[::-1], None, False, 0.0)
+    assert swapped == pytest.approx(value, abs=1e-9 * (1 + abs(value)))
+
+
+@settings(max_examples=200, deadline=None)
+@given(logs, logs, st.floats(-1, 1), st.floats(-1, 1))
+def test_error_bounds_the_change(a, b, first, second):
+    # decay well above the error of the logarithms
+    a, b = complex(a.real - 1.5, a.imag), complex(b.real - 1.5, b.imag)
+    shift = 1e-7
+    moved = np.exp(np.array([a + first * shift / 2, b + second * shift / 2 * 1j]))
+    value, error = instability(np.exp(np.array([a, b])), None, False, shift)
+    there, _ = instability(moved, None, False, 0.0)
+    assert abs(there - value) <= 1.01 * error + 1e-12
+
+
+def test_reciprocal_pairs():
+    # growth squared inside, minus the square of half the angle outside
+    inside = np.array([-np.exp(0.1), -np.exp(-0.1)])
+    assert instability(inside, -1.0, True, 0.0)[0] == pytest.approx(0.01)
+    outside = -np.exp(np.array([0.2j, -0.2j]))
+    assert instability(outside, -1.0, True, 0.0)[0] == pytest.approx(-0.04)
+    combination = np.exp(np.array([0.1 + 2.0j, -0.1 + 2.0j]))
+    assert instability(combination, None, True, 0.0)[0] == pytest.approx(0.01)
+    assert instability(outside, -1.0, True, 1e-6)[1] == pytest.approx(0.2e-6)
+
+
+def test_analytic_where_the_two_meet():
+    # mu = exp(-0.1 ± sqrt(x)): f = x - 0.01 through x = 0, where each multiplier has a root
+    for x in (-1e-3, -1e-9, 0.0, 1e-9, 1e-3):
+        mu = -np.exp(-0.1 + np.array([1, -1]) * cmath.sqrt(x))
+        assert instability(mu, -1.0, False, 0.0)[0] == pytest.approx(x - 0.01, abs=1e-15)
+
+
+class Steps:
+    """Stands in for a pair whose test function is ``f``."""
+
+    def __init__(self, f):
+        self.f = f
+
+    def at(self, Omega, eps, reference):
+        return point(Omega, self.f)
+
+
+def point(Omega, f):
+    return Point(Omega, f(Omega), np.nan, np.ones(2, complex), np.ones((2, 2), complex))
+
+
+def test_jumps_are_not_edges():
+    route = _Route(mathieu(), nearest_resonance(mathieu(), 2.0))
+    for f, zero in (
+        (lambda x: 2.1 - x, 2.1),
+        (lambda x: (2.1 - x) * 1e-12, 2.1),
+        (lambda x: 1.0 if x < 2.1 else -1e-6, None),
+        (lambda x: 2.2 - x if x < 2.1 else -1.0, None),
+        (lambda x: 2.1001 - x if x < 2.1 else -1.0, None),
+    ):
+        route.pair = Steps(f)
+        inside, outside = point(2.0, f), point(2.3, f)
+        if zero is None:
+            with pytest.raises(LostError):
+                route._zero(0.1, inside, outside)
+        else:
+            assert route._zero(0.1, inside, outside) == pytest.approx(zero, rel=1e-9)
