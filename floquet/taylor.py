@@ -1,6 +1,6 @@
 """Kernels of the single-point integrator: Taylor series of the solution, step after step.
 
-The equations are those of one decoupled block in energy coordinates (`floquet.monodromy`),
+The equations are those of one decoupled block in energy coordinates (`floquet.reduction`),
 
     y1' = w y2,      y2' = -k y1 - D y2 - sum_r f_r(t) B_r y1,
     f_r(t) = sum_j alpha[r, j] cos(j Omega t) + beta[r, j] sin(j Omega t),    j = 0..J,

@@ -294,6 +294,12 @@ def test_two_resonances_at_once_are_undecided():
     assert not trace.is_open.any()
 
 
+def test_no_region_of_another_pair_is_taken():
+    # at eps = 1.5 the modes of omega_3 - omega_1 have mixed with others, which are unstable there
+    trace = trace_boundary(MovingPlate(), 26.29, [1.0, 1.5])
+    assert trace.kind.tolist() == [Kind.STABLE, Kind.UNDECIDED]
+
+
 def test_difference_type_stays_closed_on_the_plate(plate):
     # L_diff < 0 for symmetric F (theory.md, section 5)
     trace = trace_boundary(plate, 26.5, [0.01, 0.1, 0.3])
