@@ -17,7 +17,7 @@ from joblib import Parallel, delayed
 from numpy.typing import ArrayLike
 from tqdm import tqdm
 
-from floquet import BoundaryTrace, trace_boundary
+from floquet import BoundaryTrace, Kind, trace_boundary
 from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import FloatArray, grid, interval, one_of, whole_number, workers
 from perturb import TransitionCurve, transition_curves
@@ -182,7 +182,12 @@ def _judge(rungs: list[_DampingScaled], curves: list[TransitionCurve], eps: Floa
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.where(width > RESOLUTION * last.centre, traced_width / width, np.nan)
     fitted = np.array([fitted_order(eps, edge) for edge in gap])
-    agrees, reason = _verdict(eps, analytic, traced, gap, fitted, order, RESOLUTION * last.centre)
+    undecided = np.array([trace.kind[0] == Kind.UNDECIDED for trace in traces])
+    if undecided.any():
+        where = ", ".join(f"{value:g}" for value in eps[undecided])
+        agrees, reason = False, f"integration cannot tell this region from others at eps = {where}"
+    else:
+        agrees, reason = _verdict(eps, analytic, traced, gap, fitted, order, RESOLUTION * last.centre)
     return RegionAgreement(
         label=last.label,
         kind=last.kind,

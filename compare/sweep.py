@@ -15,7 +15,7 @@ from tqdm import tqdm
 
 from compare.cases import Plate
 from compare.variation import SWEEPABLE, varied
-from floquet import monodromy, trace_boundary
+from floquet import Kind, monodromy, trace_boundary
 from periodic.checks import FloatArray, grid, one_of, real_number
 from perturb import TransitionCurve, gyroscopic_modes, transition_curves
 from plate import MovingPlate
@@ -200,9 +200,9 @@ def _row(curves: Sequence[TransitionCurve], eps: float, points: FloatArray) -> R
 def _trace(family: MovingPlate, curve: TransitionCurve, eps: float) -> tuple[float, float, float]:
     """Return centre, width and threshold of a region by integration."""
     trace = trace_boundary(family, curve.centre, eps)
-    is_open = bool(trace.is_open[0])
+    closed = float("nan") if trace.kind[0] == Kind.UNDECIDED else 0.0
     lower, upper = float(trace.lower[0]), float(trace.upper[0])
-    centre, width = (0.5 * (lower + upper), upper - lower) if is_open else (float("nan"), 0.0)
+    centre, width = (0.5 * (lower + upper), upper - lower) if trace.is_open[0] else (float("nan"), closed)
     return centre, width, _traced_tip(family, curve)
 
 

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from compare import agreement
 from compare.agreement import fitted_order
+from floquet import Kind, trace_boundary
 from periodic import PeriodicSystem
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu
 from plate import EdgeLoad, MovingPlate
@@ -64,6 +67,26 @@ def test_second_order_theory_leaves_a_gap_of_third_order() -> None:
 def test_a_theory_that_is_wrong_is_found_out() -> None:
     verdicts = agreement(_Stiffening(mathieu(delta=1.0)), (1.5, 2.5))
     assert not all(verdict.agrees for verdict in verdicts)
+
+
+def test_theory_by_pairs_fails_where_two_resonances_coincide() -> None:
+    # omega_2 = 3 omega_1: 2 omega_1 and omega_2 - omega_1 are one frequency, which first order by pairs does not see.
+    one = np.eye(2)
+    system = PeriodicSystem(one, 0 * one, 0 * one, np.diag([1.0, 9.0]), [[[1.0, 0.5], [0.5, 1.0]]])
+    verdicts = {verdict.label: verdict for verdict in agreement(system, (1.9, 2.1))}
+    assert not verdicts["2ω₁"].agrees
+
+
+def test_what_integration_cannot_tell_is_no_agreement(monkeypatch: pytest.MonkeyPatch) -> None:
+    def undecided(*arguments: object) -> object:
+        nan = np.array([np.nan])
+        return replace(trace_boundary(*arguments), kind=np.array([Kind.UNDECIDED]), lower=nan, upper=nan)
+
+    monkeypatch.setattr(sys.modules["compare.agreement"], "trace_boundary", undecided)  # the function hides the module
+    (verdict,) = agreement(MovingPlate(**SMALL), (24.0, 25.0), modes=2)
+    assert verdict.label == "ω₁+ω₂"
+    assert not verdict.agrees
+    assert "cannot tell" in verdict.reason
 
 
 def test_a_verdict_can_be_written_as_json() -> None:
