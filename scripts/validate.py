@@ -18,7 +18,7 @@ EPILOG = """\
 examples:
   scripts/validate.py                          every case in cases/ and the paper's claims, written to output/
   scripts/validate.py --case cases/fig2.toml   one case, no claims
-  scripts/validate.py --quick --output /tmp/a  coarse charts, for a first look
+  scripts/validate.py --quick --output first   coarse charts, for a first look
 
 A case file names a plate, a window of excitation frequencies and the regions to look at closely; docs/cases.md lists
 its keys. The exit status is 0 if theory and integration agree everywhere, 1 if they do not, 2 if the input is wrong.
