@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquet.coordinates import Block, blocks, equations
-from floquet.doubling import TOLERANCE, Scale
+from floquet.doubling import TOLERANCE
 from floquet.sampling import Sampler, Workspace
 from floquet.spectra import eigenvalues
 from floquet.symplectic import reciprocal_pairs, symplectic_eigenvalues
@@ -100,7 +100,7 @@ class _Column(NamedTuple):
     found: Dominant
     size: float  # T h^4, which the error is proportional to
     slope: float  # E / size / |eps|, the largest of those measured; 0 if it was not measured
-    rounding: float
+    rounding: FloatArray
     losses: FloatArray
 
     def error(self, eps: FloatArray, slope: float) -> FloatArray:
@@ -115,14 +115,15 @@ def _column(
     """Integrate a column; ``measure`` its error at two amplitudes, by integrating once more with half the step."""
     L = log2_steps(block, Omega, eps, steps_a_cycle)
     sampler = Sampler(block, equations(block, least_frequency(Omega)), Omega, work)
-    mu, (exponents, losses) = multipliers(sampler, eps, L, TOLERANCE)
+    spectra = multipliers(sampler, eps, L, TOLERANCE)
+    mu, exponents = spectra.mu, spectra.exponents
     found = dominant_symplectic(mu, exponents) if block.symplectic else dominant(mu, exponents, block.reversible)
     size, slope = sampler.period * (sampler.period / 2.0**L) ** 4, 0.0
     if measure:
         tested = _tested(eps)
         measured = _discrepancies(sampler, mu[tested], exponents[tested], eps[tested], L)
         slope = (measured / np.maximum(np.abs(eps[tested]), np.abs(eps).max() / 4 + TINY)).max() / size
-    return _Column(found, size, slope, UNIT * 2.0**L, losses)
+    return _Column(found, size, slope, UNIT * 2.0**L * spectra.excess(block.symplectic), spectra.losses)
 
 
 def _measured(Omega: FloatArray) -> list[int]:
@@ -140,8 +141,8 @@ def _needed_steps(block: Block, Omega: float, eps: FloatArray, work: Workspace) 
     steps = LEAST_STEPS
     while True:
         L = log2_steps(block, Omega, eps, steps)
-        mu, scale = multipliers(sampler, some, L, TOLERANCE)
-        error = _discrepancies(sampler, mu, scale.exponents, some, L).max()
+        found = multipliers(sampler, some, L, TOLERANCE)
+        error = _discrepancies(sampler, found.mu, found.exponents, some, L).max()
         taken = 2.0**L * Omega / fastest(block, Omega, eps)
         steps = min(max(taken * (error / TARGET) ** 0.25, LEAST_STEPS), MOST_STEPS)  # fourth order
         if steps <= 4 * taken:
@@ -163,16 +164,40 @@ def log2_steps(block: Block, Omega: float, eps: FloatArray, steps_a_cycle: float
     return math.ceil(math.log2(steps_a_cycle * fastest(block, Omega, eps) / Omega))
 
 
-def multipliers(sampler: Sampler, eps: FloatArray, L: int, tolerance: float) -> tuple[ComplexArray, Scale]:
-    """Return mu (k, N), or mu + 1/mu (k, n) of a symplectic block, and their scale."""
+class Spectra(NamedTuple):
+    """Multipliers 2^exponents[c] mu[c, i] of k cells of a block; for a symplectic one ``mu`` is mu + 1/mu.
+
+    ``losses`` as in `Scale`; ``norms`` are those of the matrices, 1 for a rotation, at the scale of ``mu``.
+    """
+
+    mu: ComplexArray
+    exponents: FloatArray
+    losses: FloatArray
+    norms: FloatArray
+
+    def excess(self, symplectic: bool) -> FloatArray:
+        """Return what the departure of the matrices from normality adds to the effect of rounding, (k,).
+
+        Where two multipliers coalesce, a matrix of norm nu (in units of the multipliers) has an off-diagonal entry of
+        that size between them, so that rounding errors u nu of the others shift the square of their distance by
+        u nu^2. Of a symplectic matrix the sum mu + 1/mu is computed, which an error of u nu shifts by as much.
+        """
+        size = np.abs(self.mu).max(axis=1)
+        if symplectic:
+            return np.maximum(self.norms / np.maximum(size, np.exp2(-self.exponents)), 1)
+        return np.maximum(self.norms / np.maximum(size, TINY), 1) ** 2
+
+
+def multipliers(sampler: Sampler, eps: FloatArray, L: int, tolerance: float) -> Spectra:
+    """Return the multipliers of a block at the amplitudes ``eps``, from 2^L steps a period."""
     solve = symplectic_eigenvalues if sampler.block.symplectic else eigenvalues
-    parts, scales = [], []
+    parts = []
     for panel in sampler.panels(eps, L, tolerance):
-        parts.append(solve(panel.samples, panel.weights)[: panel.scale.exponents.size])
-        scales.append(panel.scale)
-    mu, scale = np.concatenate(parts), Scale(*(np.concatenate(part) for part in zip(*scales, strict=True)))
-    scale.losses[~np.isfinite(mu).all(axis=1)] = np.inf  # an eigenvalue that did not converge: nothing is known
-    return mu, scale
+        mu = solve(panel.samples, panel.weights)[: panel.norms.size]
+        parts.append(Spectra(mu, *panel.scale, panel.norms))
+    found = Spectra(*(np.concatenate(part) for part in zip(*parts, strict=True)))
+    found.losses[~np.isfinite(found.mu).all(axis=1)] = np.inf  # an eigenvalue that did not converge: nothing is known
+    return found
 
 
 def _tested(eps: FloatArray) -> list[int]:
@@ -183,8 +208,8 @@ def _tested(eps: FloatArray) -> list[int]:
 
 def _discrepancies(sampler: Sampler, mu: ComplexArray, exponents: FloatArray, eps: FloatArray, L: int) -> FloatArray:
     """Return E at the amplitudes ``eps``, whose multipliers from 2^L steps are given as by `multipliers`."""
-    finer, (finer_exponents, _) = multipliers(sampler, eps, L + 1, TOLERANCE / 10)
-    finer = finer * 2.0 ** np.clip(finer_exponents - exponents, -1000, 1000)[:, None]
+    again = multipliers(sampler, eps, L + 1, TOLERANCE / 10)
+    finer = again.mu * 2.0 ** np.clip(again.exponents - exponents, -1000, 1000)[:, None]
     if sampler.block.symplectic and not exponents.any():  # beyond the range of exponents mu + 1/mu is mu
         mu, finer = reciprocal_pairs(mu), reciprocal_pairs(finer)
     return discrepancy(mu, finer)

@@ -30,12 +30,14 @@ class Panel(NamedTuple):
     """Monodromy matrices at the amplitudes eps[cells]: combinations of ``samples`` (m, N, N) at the given scale.
 
     ``weights`` (groups, m, 16) are those of sixteen cells at a time; the last cell is repeated to fill the last group.
+    ``norms`` (k,) are the largest norms that a matrix is combined from, 1 for a rotation.
     """
 
     cells: slice
     samples: FloatArray
     weights: FloatArray
     scale: Scale
+    norms: FloatArray
 
 
 class Workspace:
@@ -87,7 +89,8 @@ class Sampler:
         if not sizes.max() <= MOST_CONTRAST * sizes.min():
             return None
         weights = _interpolation(len(samples), ((eps - middle) / radius).tobytes())
-        return Panel(slice(0), samples, weights, Scale(*(np.repeat(part, len(eps)) for part in scale)))
+        norms = np.full(len(eps), sizes.max() / math.sqrt(self.size))
+        return Panel(slice(0), samples, weights, Scale(*(np.repeat(part, len(eps)) for part in scale)), norms)
 
     def _direct(self, eps: FloatArray, L: int, tolerance: float) -> Panel | None:
         """Return a panel with samples at the amplitudes themselves; None if they are several and need too much
@@ -103,7 +106,8 @@ class Sampler:
         P = self._sample(plan, eps, L, stop, scale)
         if stop < L:
             P, scale = self._ordered_product(P, 2 ** (L - stop), growth, scale)
-        return Panel(slice(0), P[0], in_lanes(np.eye(len(eps))), scale)
+        norms = np.linalg.norm(P[0], axis=(1, 2)) / math.sqrt(self.size)
+        return Panel(slice(0), P[0], in_lanes(np.eye(len(eps))), scale, norms)
 
     def _fits(self, matrices: int, growth: float) -> bool:
         return matrices * self.size**2 <= MOST_ENTRIES and growth <= MOST_FACTOR

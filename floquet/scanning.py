@@ -156,10 +156,10 @@ def _cells(system: PeriodicSystem, Omega: float, eps: FloatArray, steps: float, 
     cells = []
     for block in blocks(system):
         sampler = Sampler(block, equations(block, least_frequency(Omega)), Omega, work)
-        mu, scale = multipliers(sampler, eps, log2_steps(block, Omega, eps, steps), ERROR)
+        spectra = multipliers(sampler, eps, log2_steps(block, Omega, eps, steps), ERROR)
         found = dominant_symplectic if block.symplectic else partial(dominant, reversible=block.reversible)
-        error = SAFETY * ERROR * scale.losses
-        cells.append(judge(found(mu, scale.exponents), error, block.symplectic or block.reversible))
+        error = SAFETY * ERROR * spectra.losses
+        cells.append(judge(found(spectra.mu, spectra.exponents), error, block.symplectic or block.reversible))
     return combine(cells)
 
 
