@@ -29,6 +29,7 @@ TARGET = 1e-10  # for the error E of `floquet.verdict`
 CLOSE = 0.1
 # The error is measured at two amplitudes, and with all multipliers; elsewhere it may be a little larger.
 SAFETY = 4.0
+ROUNDINGS = 32  # for each row of a matrix, from interpolation and eigenvalues; each step of the period adds one
 UNIT, TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
 
 
@@ -89,24 +90,29 @@ def _columns(
         found = Dominant(*(np.array(part) for part in zip(*(column.found for column in columns), strict=True)))
         slopes = np.array([columns[i].slope for i in measured])
         slopes = np.maximum(slopes[before], slopes[after])
-        E = SAFETY * np.array([column.error(eps, slope) for column, slope in zip(columns, slopes, strict=True)])
+        E = np.array([column.error(slope) for column, slope in zip(columns, slopes, strict=True)])
         cells.append(judge(found, E, block.symplectic or block.reversible))
     return combine(cells)
 
 
 class _Column(NamedTuple):
-    """The dominant multipliers of a block at one frequency, and what their errors follow from."""
+    """The dominant multipliers of a block at one frequency, and what their errors follow from.
+
+    The error of a matrix goes with its norm, E with that in units of the multipliers: the excess nu. Where two of them
+    coalesce, there is an off-diagonal entry of that size between them, and rounding errors u nu of the others shift
+    the square of their distance by u nu^2. Of a symplectic matrix the sums mu + 1/mu are computed, which rounding
+    errors u nu shift by as much.
+    """
 
     found: Dominant
-    size: float  # T h^4, which the error is proportional to
-    slope: float  # E / size / |eps|, the largest of those measured; 0 if it was not measured
+    truncation: FloatArray  # what E is a multiple of, the same in neighbouring columns: T h^4 |eps| nu
+    slope: float  # that multiple, the largest of those measured; 0 if it was not measured
     rounding: FloatArray
     losses: FloatArray
 
-    def error(self, eps: FloatArray, slope: float) -> FloatArray:
-        """Return the errors E (k,): exact at eps = 0, they grow like eps^2, of which a straight line is on the safe
-        side."""
-        return self.losses * np.maximum(slope * self.size * np.abs(eps), self.rounding)
+    def error(self, slope: float) -> FloatArray:
+        """Return the errors E (k,)."""
+        return SAFETY * self.losses * np.maximum(slope * self.truncation, self.rounding)
 
 
 def _column(
@@ -118,12 +124,15 @@ def _column(
     spectra = multipliers(sampler, eps, L, TOLERANCE)
     mu, exponents = spectra.mu, spectra.exponents
     found = dominant_symplectic(mu, exponents) if block.symplectic else dominant(mu, exponents, block.reversible)
-    size, slope = sampler.period * (sampler.period / 2.0**L) ** 4, 0.0
+    nu = spectra.excess(block.symplectic)
+    # exact at eps = 0, and the error grows at least like eps^2; the straight line is on the safe side
+    truncation, slope = sampler.period * (sampler.period / 2.0**L) ** 4 * np.abs(eps) * nu, 0.0
     if measure:
         tested = _tested(eps)
         measured = _discrepancies(sampler, mu[tested], exponents[tested], eps[tested], L)
-        slope = (measured / np.maximum(np.abs(eps[tested]), np.abs(eps).max() / 4 + TINY)).max() / size
-    return _Column(found, size, slope, UNIT * 2.0**L * spectra.excess(block.symplectic), spectra.losses)
+        slope = (measured / np.maximum(truncation[tested], truncation.max() / 4 + TINY)).max()
+    rounding = UNIT * (2.0**L + ROUNDINGS * sampler.size) * (nu if block.symplectic else nu**2)
+    return _Column(found, truncation, slope, rounding, spectra.losses)
 
 
 def _measured(Omega: FloatArray) -> list[int]:
@@ -176,16 +185,10 @@ class Spectra(NamedTuple):
     norms: FloatArray
 
     def excess(self, symplectic: bool) -> FloatArray:
-        """Return what the departure of the matrices from normality adds to the effect of rounding, (k,).
-
-        Where two multipliers coalesce, a matrix of norm nu (in units of the multipliers) has an off-diagonal entry of
-        that size between them, so that rounding errors u nu of the others shift the square of their distance by
-        u nu^2. Of a symplectic matrix the sum mu + 1/mu is computed, which an error of u nu shifts by as much.
-        """
+        """Return the norms in units of the largest multiplier, (k,): 1 for a normal matrix."""
         size = np.abs(self.mu).max(axis=1)
-        if symplectic:
-            return np.maximum(self.norms / np.maximum(size, np.exp2(-self.exponents)), 1)
-        return np.maximum(self.norms / np.maximum(size, TINY), 1) ** 2
+        least = np.exp2(-self.exponents) if symplectic else TINY  # mu + 1/mu may be zero, mu not
+        return np.asarray(np.maximum(self.norms / np.maximum(size, least), 1.0))
 
 
 def multipliers(sampler: Sampler, eps: FloatArray, L: int, tolerance: float) -> Spectra:

@@ -21,7 +21,7 @@ from periodic.checks import FloatArray
 
 # Error of each interpolation if the bound on growth were attained. It never is: with this value the errors measured
 # are a few 1e-13 of the norm, which is rounding.
-TOLERANCE = 1e-11
+TOLERANCE = 1e-10
 # Samples at different phases may differ in size by the exponential of twice this; interpolating between more than that
 # would lose the small ones to the rounding of the large.
 MOST_GROWTH = 3.0

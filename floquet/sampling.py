@@ -30,7 +30,7 @@ class Panel(NamedTuple):
     """Monodromy matrices at the amplitudes eps[cells]: combinations of ``samples`` (m, N, N) at the given scale.
 
     ``weights`` (groups, m, 16) are those of sixteen cells at a time; the last cell is repeated to fill the last group.
-    ``norms`` (k,) are the largest norms that a matrix is combined from, 1 for a rotation.
+    ``norms`` (k,) are those of the matrices, 1 for a rotation.
     """
 
     cells: slice
@@ -89,8 +89,8 @@ class Sampler:
         if not sizes.max() <= MOST_CONTRAST * sizes.min():
             return None
         weights = _interpolation(len(samples), ((eps - middle) / radius).tobytes())
-        norms = np.full(len(eps), sizes.max() / math.sqrt(self.size))
-        return Panel(slice(0), samples, weights, Scale(*(np.repeat(part, len(eps)) for part in scale)), norms)
+        scale = Scale(*(np.repeat(part, len(eps)) for part in scale))
+        return Panel(slice(0), samples, weights, scale, _norms(samples, weights)[: len(eps)])
 
     def _direct(self, eps: FloatArray, L: int, tolerance: float) -> Panel | None:
         """Return a panel with samples at the amplitudes themselves; None if they are several and need too much
@@ -106,8 +106,8 @@ class Sampler:
         P = self._sample(plan, eps, L, stop, scale)
         if stop < L:
             P, scale = self._ordered_product(P, 2 ** (L - stop), growth, scale)
-        norms = np.linalg.norm(P[0], axis=(1, 2)) / math.sqrt(self.size)
-        return Panel(slice(0), P[0], in_lanes(np.eye(len(eps))), scale, norms)
+        weights = in_lanes(np.eye(len(eps)))
+        return Panel(slice(0), P[0], weights, scale, _norms(P[0], weights)[: len(eps)])
 
     def _fits(self, matrices: int, growth: float) -> bool:
         return matrices * self.size**2 <= MOST_ENTRIES and growth <= MOST_FACTOR
@@ -151,6 +151,14 @@ class Sampler:
             total.exponents[:] += part.exponents
             rescale(product, total)
         return product, total
+
+
+def _norms(samples: FloatArray, weights: FloatArray) -> FloatArray:
+    """Return the norms of the combinations of ``samples`` (m, N, N), in units of that of a rotation."""
+    m, N = samples.shape[:2]
+    flat = samples.reshape(m, N * N)
+    squares = (weights * (flat @ flat.T / N @ weights)).sum(axis=1).ravel()
+    return np.asarray(np.sqrt(np.maximum(squares, 0.0)))
 
 
 @lru_cache(maxsize=64)
