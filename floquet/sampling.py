@@ -80,7 +80,7 @@ class Sampler:
     def _interpolated(self, eps: FloatArray, L: int, tolerance: float) -> Panel | None:
         """Return a panel with samples at Chebyshev points; None if they would be too many, or are too unequal."""
         middle, radius = (eps[-1] + eps[0]) / 2, (eps[-1] - eps[0]) / 2
-        plan = self._plan(eps, radius, L, tolerance)
+        plan = self.plan(eps, radius, L, tolerance)
         if plan.nodes[-1] >= len(eps) or (plan.phases * plan.nodes).max() * self.size**2 > MOST_ENTRIES:
             return None
         scale = unit_scale(1)
@@ -95,7 +95,7 @@ class Sampler:
     def _direct(self, eps: FloatArray, L: int, tolerance: float) -> Panel | None:
         """Return a panel with samples at the amplitudes themselves; None if they are several and need too much
         memory."""
-        plan = self._plan(eps, 0.0, L, tolerance)
+        plan = self.plan(eps, 0.0, L, tolerance)
         growth = np.abs(eps).max() * self.period * self.equations.strength.sum()
         stop = 0
         while stop < L and self._fits(plan.phases[stop + 1] * len(eps), growth / 2 ** (L - stop - 1)):
@@ -112,7 +112,8 @@ class Sampler:
     def _fits(self, matrices: int, growth: float) -> bool:
         return matrices * self.size**2 <= MOST_ENTRIES and growth <= MOST_FACTOR
 
-    def _plan(self, eps: FloatArray, radius: float, L: int, tolerance: float) -> Schedule:
+    def plan(self, eps: FloatArray, radius: float, L: int, tolerance: float) -> Schedule:
+        """Return the schedule of 2^L steps for amplitudes ``eps`` that lie within ``radius`` of their middle."""
         growth = self.period * self.equations.strength
         x_phase = tuple(quantised(x) for x in np.abs(eps).max() * growth)
         return schedule(L, x_phase, quantised(radius * growth.sum()), tolerance)

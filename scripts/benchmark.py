@@ -7,7 +7,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from compare import benchmark
+from compare import benchmark, stages
 
 EPILOG = """\
 Peers that are not installed are skipped; pip install 'floquet-charts[bench]' brings them. Set OPENBLAS_NUM_THREADS=1,
@@ -37,6 +37,7 @@ def main(arguments: list[str] | None = None) -> int:
         print(benchmark.comparison_table([found]), flush=True)
     tables.append(benchmark.comparison_table(comparisons))
     for table in (
+        stages.stages_table(benchmark.all_stages(plan)),
         benchmark.scaling_table(benchmark.scaling(plan)),
         benchmark.start_up_table(benchmark.start_up(plan)),
     ):

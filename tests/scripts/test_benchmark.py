@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from compare import benchmark
+from compare import benchmark, stages
 from compare.peers import PEERS, Equations, modal_equations, rk4
 from floquet import monodromy
 
 ROOT = Path(__file__).resolve().parents[2]
-TINY = benchmark.Plan(columns=16, rows=8, sizes=(12,), rounds=(1,), points=1)
+TINY = benchmark.Plan(columns=16, rows=8, sizes=(12,), rounds=(1,), points=2, timed=1)
 
 
 @pytest.fixture(scope="module")
@@ -60,23 +60,51 @@ def test_comparison_verifies_errors_and_skips_what_is_missing() -> None:
     hopeless = dataclasses.replace(PEERS[1], name="hopeless", settings=(2.0,))
     found = next(benchmark.compare_methods(TINY, (PEERS[1], absent, hopeless)))
     assert found.size == 12
-    assert found.chart.error < benchmark.ACCURACY
-    good, skipped, failed = found.peers
-    assert 0 < good.error <= benchmark.ACCURACY
-    assert len(good.seconds) == 1
-    assert "no_such_package is not installed" in skipped.skipped
-    assert "no setting reached" in failed.skipped
+    assert all(ours.error < benchmark.ACCURACY for ours in found.chart)
+    largest, everything, *others = found.peers
+    assert 0 < largest.error <= benchmark.ACCURACY
+    assert 0 < everything.error <= benchmark.ACCURACY
+    assert largest.setting < everything.setting  # fewer steps will do for the largest multiplier alone
+    assert len(largest.seconds) == 1
+    assert "no_such_package is not installed" in others[0].skipped
+    assert "no setting reached" in others[2].skipped
     table = benchmark.comparison_table([found])
-    assert table.count("\n") == 5
-    assert "| 12 | 0 | absent | skipped: no_such_package" in table
+    assert table.count("\n") == 9
+    assert "| 12 | 0 | absent | largest | skipped: no_such_package" in table
+
+
+def test_errors_of_multipliers() -> None:
+    exact = np.array([2.0, 1j, -0.5])
+    assert benchmark.error(exact[::-1], exact, "all") == 0
+    assert benchmark.error(exact + np.array([0, 0, 0.02]), exact, "largest") == 0
+    assert benchmark.error(exact + np.array([0, 0, 0.02]), exact, "all") == pytest.approx(0.01)
+    assert benchmark.error(2 * exact, exact, "largest") == pytest.approx(np.log(2))
+    assert benchmark.error(np.array([np.nan]), exact, "all") == np.inf
+
+
+def test_stages_add_up_to_a_chart() -> None:
+    family = benchmark.plate(12, benchmark.DAMPING)
+    found = stages.stages(family, *benchmark.grids(2, 16), rounds=1)
+    assert min(found.sampling, found.operations, found.peak) > 0
+    # one column of 16 amplitudes is at least a hundred products of two blocks with 12 rows
+    assert found.operations > 2 * 2 * 100 * 2 * 12**3
+    table = stages.stages_table({(12, 0.0): found})
+    assert table.count("%") == 4
+
+
+def test_multipliers_of_the_chart_are_those_of_the_reference() -> None:
+    family = benchmark.plate(12, 0.0)
+    eps = np.linspace(0, 1, 24)
+    found = stages.chart_multipliers(family, 36.0, eps)
+    assert benchmark.error(found[-1], monodromy(family, 36.0, 1.0).multipliers, "all") < 1e-8
 
 
 def test_ratio_and_spread() -> None:
-    chart = benchmark.Timing("stability_chart", (1e-5, 2e-5, 4e-5), 1e-11)
-    peer = benchmark.Timing("peer", (2e-3, 2e-3, 2e-3), 1e-9, 1e-7)
-    table = benchmark.comparison_table([benchmark.Comparison(12, 0.0, chart, (peer,))])
-    assert "| stability_chart | 20.0 | 150% | 1 | 1e-11 |  |" in table
-    assert "| peer | 2,000.0 | 0% | 100 | 1e-09 | 1e-07 |" in table
+    chart = benchmark.Timing("stability_chart", "all", (1e-5, 2e-5, 4e-5), 1e-11)
+    peer = benchmark.Timing("peer", "all", (2e-3, 2e-3, 2e-3), 1e-9, 1e-7)
+    table = benchmark.comparison_table([benchmark.Comparison(12, 0.0, (chart,), (peer,))])
+    assert "| stability_chart | all | 20.0 | 150% | 1 | 1e-11 |  |" in table
+    assert "| peer | all | 2,000.0 | 0% | 100 | 1e-09 | 1e-07 |" in table
 
 
 def test_fresh_process_reports_itself() -> None:
@@ -87,9 +115,10 @@ def test_fresh_process_reports_itself() -> None:
 
 
 def test_tables_go_between_the_marks(script: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    chart = benchmark.Timing("stability_chart", (1e-5,), 1e-11)
-    monkeypatch.setattr(benchmark, "compare_methods", lambda plan: iter([benchmark.Comparison(12, 0.0, chart, ())]))
-    monkeypatch.setattr(benchmark, "scaling", lambda plan: [("16 x 8, 1 job", 3.0, 0.5)])
+    chart = benchmark.Timing("stability_chart", "all", (1e-5,), 1e-11)
+    monkeypatch.setattr(benchmark, "compare_methods", lambda plan: iter([benchmark.Comparison(12, 0.0, (chart,), ())]))
+    monkeypatch.setattr(benchmark, "scaling", lambda plan: [("16 x 8, 1 job", 3.0, 0.5), ("16 x 8, 2 jobs", 3.0, 0.3)])
+    monkeypatch.setattr(benchmark, "all_stages", lambda plan: {(12, 0.0): stages.Stages(1.0, 2.0, 1.0, 3e10, 6e10)})
     monkeypatch.setattr(benchmark, "start_up", lambda plan: [("import", 0.5, 0.4, 99.0)])
     page = tmp_path / "page.md"
     page.write_text(f"before\n{script.BEGIN}\nold\n{script.END}\nafter\n", encoding="utf-8")
@@ -99,8 +128,10 @@ def test_tables_go_between_the_marks(script: ModuleType, tmp_path: Path, monkeyp
     assert text.endswith("after\n")
     assert "old" not in text
     for part in (
-        "| 12 | 0 | stability_chart | 10.0 |",
+        "| 12 | 0 | stability_chart | all | 10.0 |",
+        "| 12 | 0 | 25% | 50% | 25% | 30 | 50% |",
         "| 16 x 8, 1 job | 3.0 | 0.50 |",
+        "Parallel efficiency on two cores: 0.83.",
         "| import | 0.5 | 0.4 | 99 |",
     ):
         assert part in text
