@@ -63,7 +63,7 @@ def stages(family: SystemFamily, Omega: FloatArray, eps: FloatArray, rounds: int
     samplers = [_sampler(b, float(w), eps, steps, work) for s, w in zip(systems, Omega, strict=True) for b in blocks(s)]
     operations = 0.0
     for sampler, L in samplers:
-        plan = sampler.plan(eps, (eps[-1] - eps[0]) / 2, L, TOLERANCE)
+        plan = sampler.plan(eps, (eps[-1] - eps[0]) / 2, L, TOLERANCE, L)
         operations += 2.0 * sampler.size**3 * float((plan.phases * plan.nodes)[1:].sum())
 
     def sample() -> None:

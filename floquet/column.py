@@ -24,6 +24,7 @@ from periodic.checks import FloatArray
 # resonance with the fast modes, which then look unstable.
 LEAST_STEPS = 16.0
 MOST_STEPS = 2.0**16  # more only collect rounding errors
+MOST_DOUBLINGS = 20  # of the steps of one period, for the same reason
 TARGET = 1e-10  # for the error E of `floquet.verdict`
 # Columns whose frequencies differ by less than this part share a measurement of the error.
 CLOSE = 0.1
@@ -154,7 +155,7 @@ def _needed_steps(block: Block, Omega: float, eps: FloatArray, work: Workspace) 
         error = _discrepancies(sampler, found.mu, found.exponents, some, L).max()
         taken = 2.0**L * Omega / fastest(block, Omega, eps)
         steps = min(max(taken * (error / TARGET) ** 0.25, LEAST_STEPS), MOST_STEPS)  # fourth order
-        if steps <= 4 * taken:
+        if steps <= 4 * taken or L == MOST_DOUBLINGS:
             return steps
 
 
@@ -169,8 +170,20 @@ def least_frequency(Omega: float) -> float:
 
 
 def log2_steps(block: Block, Omega: float, eps: FloatArray, steps_a_cycle: float) -> int:
-    """Return L, where 2^L steps make one period."""
-    return math.ceil(math.log2(steps_a_cycle * fastest(block, Omega, eps) / Omega))
+    """Return L, where 2^L steps make one period.
+
+    Raises
+    ------
+    ValueError
+        If they would have to be more than 2^MOST_DOUBLINGS.
+    """
+    cycles = fastest(block, Omega, eps) / Omega
+    if not LEAST_STEPS * cycles <= 2.0**MOST_DOUBLINGS:
+        raise ValueError(
+            f"Omega = {Omega!r} with eps up to {float(np.abs(eps).max())!r}: one period has {cycles:.2g} cycles of the "
+            "fastest motion, too many to integrate; give a larger Omega or a smaller eps"
+        )
+    return min(math.ceil(math.log2(steps_a_cycle * cycles)), MOST_DOUBLINGS)
 
 
 class Spectra(NamedTuple):

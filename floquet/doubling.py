@@ -72,18 +72,24 @@ def quantised(x: float) -> float:
 
 
 @lru_cache(maxsize=1024)
-def schedule(L: int, x_phase: tuple[float, ...], x_eps: float, tolerance: float) -> Schedule:
-    """Plan the doublings of 2^L steps.
+def phase_counts(L: int, x_phase: tuple[float, ...], tolerance: float) -> tuple[int, ...]:
+    """Return at how many phases P_0 ... P_L are sampled; arguments as for `schedule`."""
+    return tuple(_phases(2 ** (L - level), x_phase, tolerance) for level in range(L + 1))
+
+
+@lru_cache(maxsize=1024)
+def schedule(L: int, x_phase: tuple[float, ...], x_eps: float, tolerance: float, levels: int) -> Schedule:
+    """Plan the first ``levels`` doublings of 2^L steps.
 
     ``x_phase[j - 1]`` bounds the logarithm of the growth that harmonic j can bring about in one period at the largest
     amplitude, ``x_eps`` that of all harmonics together between the middle of the range of amplitudes and its ends
     (0: the amplitudes are those wanted, and stay).
     """
-    steps = [2 ** (L - level) for level in range(L + 1)]  # B
-    phases = [_phases(B, tuple(x / B for x in x_phase), tolerance) for B in steps]
+    steps = [2 ** (L - level) for level in range(levels + 1)]  # B
+    phases = phase_counts(L, x_phase, tolerance)[: levels + 1]
     nodes = [degree((x_eps / B,), tolerance) + 1 if x_eps > 0 else 1 for B in steps]
-    weights, present = [np.empty(0)], np.zeros((L, 3), bool)
-    for level in range(L):
+    weights, present = [np.empty(0)], np.zeros((levels, 3), bool)
+    for level in range(levels):
         B, p, q, m, k = steps[level], *phases[level : level + 2], *nodes[level : level + 2]
         present[level] = k != m, p not in (B, q), p != B
         if k != m:
@@ -95,7 +101,8 @@ def schedule(L: int, x_phase: tuple[float, ...], x_eps: float, tolerance: float)
     return Schedule(np.array(phases), np.array(nodes), np.concatenate(weights), present)
 
 
-def _phases(B: int, x: tuple[float, ...], tolerance: float) -> int:
+def _phases(B: int, x_phase: tuple[float, ...], tolerance: float) -> int:
+    x = tuple(x / B for x in x_phase)
     return B if sum(x) > MOST_GROWTH else min(B, 2 * degree(x, tolerance) + 1)
 
 

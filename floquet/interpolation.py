@@ -43,5 +43,5 @@ def trigonometric_weights(p: int, theta: ArrayLike) -> FloatArray:
     """Return the matrix (len(theta), p) that takes values at the phases 2 pi i / p, p odd, to their interpolant at
     theta."""
     half = np.asarray(theta)[:, None] / 2 - np.pi * np.arange(p) / p
-    order = np.arange(1, p // 2 + 1)
-    return (1 + 2 * np.cos(2 * half[..., None] * order).sum(axis=-1)) / p
+    sine = np.sin(half)
+    return np.divide(np.sin(p * half), p * sine, out=np.ones_like(half), where=sine != 0)  # Dirichlet's kernel

@@ -11,13 +11,24 @@ from typing import NamedTuple
 import numpy as np
 
 from floquet.coordinates import Block, Equations
-from floquet.doubling import Scale, Schedule, cancellation, doublings, quantised, rescale, schedule, unit_scale
+from floquet.doubling import (
+    Scale,
+    Schedule,
+    cancellation,
+    doublings,
+    phase_counts,
+    quantised,
+    rescale,
+    schedule,
+    unit_scale,
+)
 from floquet.interpolation import chebyshev_points, chebyshev_weights, trigonometric_weights
 from floquet.kernels import single_steps
 from floquet.lanes import WIDTH
 from periodic.checks import FloatArray
 
 MOST_ENTRIES = 2**22  # of one array of samples (32 MB); five such arrays are in use at a time
+MOST_MATRICES = 2**14  # of one array, since each has its interpolation weights
 # Samples to be interpolated between may differ in size by this much; the smallest lose as many digits to rounding.
 MOST_CONTRAST = 30.0
 # Logarithm of the growth that the factors of one product may differ by; the small ones must not underflow.
@@ -80,11 +91,11 @@ class Sampler:
     def _interpolated(self, eps: FloatArray, L: int, tolerance: float) -> Panel | None:
         """Return a panel with samples at Chebyshev points; None if they would be too many, or are too unequal."""
         middle, radius = (eps[-1] + eps[0]) / 2, (eps[-1] - eps[0]) / 2
-        plan = self.plan(eps, radius, L, tolerance)
+        plan = self.plan(eps, radius, L, tolerance, L)
         if plan.nodes[-1] >= len(eps) or (plan.phases * plan.nodes).max() * self.size**2 > MOST_ENTRIES:
             return None
         scale = unit_scale(1)
-        samples = self._sample(plan, middle + radius * chebyshev_points(plan.nodes[0]), L, L, scale)[0]
+        samples = self._sample(plan, middle + radius * chebyshev_points(plan.nodes[0]), L, scale)[0]
         sizes = np.linalg.norm(samples, axis=(1, 2))
         if not sizes.max() <= MOST_CONTRAST * sizes.min():
             return None
@@ -95,39 +106,42 @@ class Sampler:
     def _direct(self, eps: FloatArray, L: int, tolerance: float) -> Panel | None:
         """Return a panel with samples at the amplitudes themselves; None if they are several and need too much
         memory."""
-        plan = self.plan(eps, 0.0, L, tolerance)
+        phases = phase_counts(L, self._growth(eps), tolerance)
         growth = np.abs(eps).max() * self.period * self.equations.strength.sum()
         stop = 0
-        while stop < L and self._fits(plan.phases[stop + 1] * len(eps), growth / 2 ** (L - stop - 1)):
+        while stop < L and self._fits(phases[stop + 1] * len(eps), growth / 2 ** (L - stop - 1)):
             stop += 1
         if stop < L and len(eps) > 1:
             return None
         scale = unit_scale(len(eps))
-        P = self._sample(plan, eps, L, stop, scale)
+        P = self._sample(self.plan(eps, 0.0, L, tolerance, stop), eps, L, scale)
         if stop < L:
             P, scale = self._ordered_product(P, 2 ** (L - stop), growth, scale)
         weights = in_lanes(np.eye(len(eps)))
         return Panel(slice(0), P[0], weights, scale, _norms(P[0], weights)[: len(eps)])
 
     def _fits(self, matrices: int, growth: float) -> bool:
-        return matrices * self.size**2 <= MOST_ENTRIES and growth <= MOST_FACTOR
+        return matrices <= MOST_MATRICES and matrices * self.size**2 <= MOST_ENTRIES and growth <= MOST_FACTOR
 
-    def plan(self, eps: FloatArray, radius: float, L: int, tolerance: float) -> Schedule:
-        """Return the schedule of 2^L steps for amplitudes ``eps`` that lie within ``radius`` of their middle."""
-        growth = self.period * self.equations.strength
-        x_phase = tuple(quantised(x) for x in np.abs(eps).max() * growth)
-        return schedule(L, x_phase, quantised(radius * growth.sum()), tolerance)
+    def plan(self, eps: FloatArray, radius: float, L: int, tolerance: float, levels: int) -> Schedule:
+        """Return the schedule of the first ``levels`` doublings of 2^L steps, for amplitudes ``eps`` that lie within
+        ``radius`` of their middle."""
+        x_eps = quantised(radius * self.period * float(self.equations.strength.sum()))
+        return schedule(L, self._growth(eps), x_eps, tolerance, levels)
 
-    def _sample(self, plan: Schedule, eps: FloatArray, L: int, levels: int, scale: Scale) -> FloatArray:
-        """Return the samples of P_levels for a schedule that begins at the amplitudes ``eps``."""
-        phases, m, size = plan.phases[: levels + 1], len(eps) // plan.nodes[0] * plan.nodes[: levels + 1], self.size**2
+    def _growth(self, eps: FloatArray) -> tuple[float, ...]:
+        return tuple(quantised(x) for x in np.abs(eps).max() * self.period * self.equations.strength)
+
+    def _sample(self, plan: Schedule, eps: FloatArray, L: int, scale: Scale) -> FloatArray:
+        """Return the samples at the end of a schedule that begins at the amplitudes ``eps``."""
+        phases, m, size = plan.phases, len(eps) // plan.nodes[0] * plan.nodes, self.size**2
         samples = int((phases * m).max()) * size
         scratch = int(((phases[:-1] + 2 * phases[1:]) * m[1:]).max(initial=0)) * size
         work = self.work.arrays(samples, samples, scratch)
         P = work[0][: phases[0] * len(eps) * size].reshape(phases[0], len(eps), self.size, self.size)
         A, left, right, _ = self.equations
         single_steps(A, self.block.Fc, self.block.Fs, left, right, self.period / 2**L, eps, P)
-        return doublings(P, plan.phases, plan.nodes, plan.weights, plan.present[:levels], scale, work)
+        return doublings(P, plan.phases, plan.nodes, plan.weights, plan.present, scale, work)
 
     def _ordered_product(self, P: FloatArray, B: int, growth: float, scale: Scale) -> tuple[FloatArray, Scale]:
         """Return the product of the B factors P(2 pi b / B), b = 0 ... B - 1, of one amplitude, a part at a time."""

@@ -413,3 +413,9 @@ def test_charts_are_checked(example):
         dataclasses.replace(example, growth_rate=np.zeros((2, 2)))
     with pytest.raises(ValueError, match="Omega is not strictly increasing"):
         dataclasses.replace(example, Omega=example.Omega[::-1])
+
+
+@pytest.mark.parametrize(("Omega", "eps"), [(1e-7, 1.0), (1e-200, 1.0), (1.0, 1e10)])
+def test_a_period_of_too_many_cycles_is_refused(Omega, eps):
+    with pytest.raises(ValueError, match="cycles of the fastest motion"):
+        chart(mathieu(), np.array([Omega]), np.array([0.0, eps]))

@@ -164,7 +164,7 @@ def test_doubling_is_the_ordered_product(seed, n, harmonics, damped, Omega):
 @pytest.mark.kernel
 def test_doubling_a_single_phase():
     # constant coefficients: one phase, one amplitude, repeated squaring
-    plan = schedule(3, (0.0,), 0.0, TOLERANCE)
+    plan = schedule(3, (0.0,), 0.0, TOLERANCE, 3)
     assert plan.phases.tolist() == [1, 1, 1, 1]
     P = sla.expm([[0.0, 0.1], [-0.1, 0.0]])
     work = (np.empty(4), np.empty(4), np.empty(12))
