@@ -199,7 +199,7 @@ class Spectra(NamedTuple):
 
     def excess(self, symplectic: bool) -> FloatArray:
         """Return the norms in units of the largest multiplier, (k,): 1 for a normal matrix."""
-        size = np.abs(self.mu).max(axis=1)
+        size = np.nan_to_num(np.abs(self.mu)).max(axis=1)
         least = np.exp2(-self.exponents) if symplectic else TINY  # mu + 1/mu may be zero, mu not
         return np.asarray(np.maximum(self.norms / np.maximum(size, least), 1.0))
 

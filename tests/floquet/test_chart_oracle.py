@@ -8,8 +8,10 @@ import scipy.linalg as sla
 from oracle_systems import random_system
 from scipy.integrate import solve_ivp
 
+import floquet.column
 from floquet import Kind, monodromy, stability_chart
-from floquet.column import LEAST_STEPS, chart_block
+from floquet.column import CLOSE, LEAST_STEPS, _measured, chart_block
+from floquet.spectra import eigenvalues
 from periodic import PeriodicSystem
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu
 from plate import EdgeLoad, MovingPlate
@@ -134,6 +136,48 @@ def test_errors_are_honest(case):
     assert len(errors) >= 30
     # not absurdly pessimistic: a conservative stable cell is exact, hence the 1e-13
     assert np.median(estimates / (errors + 1e-13)) < 1e4
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_errors_of_columns_that_share_a_measurement_are_honest(case):
+    system, (low, _), eps = CASES[case]
+    errors, _ = honest(system, np.linspace(low, 1.08 * low, 8), np.linspace(*eps, 25))
+    assert len(errors) >= 30
+
+
+def test_measured_columns():
+    assert _measured(np.array([3.0])) == [0]
+    assert _measured(np.linspace(1, 1.09, 8)) == [0, 7]
+    assert _measured(np.linspace(1, 8, 8)) == list(range(8))
+    Omega = np.linspace(1, 1.4, 8)
+    found = _measured(Omega)
+    assert found[0] == 0
+    assert found[-1] == 7
+    assert len(found) < 8
+    for w in Omega:
+        assert (np.abs(Omega[found] / w - 1) <= CLOSE).any()
+
+
+def test_error_where_the_multiplier_is_small_in_a_large_matrix():
+    # between two tongues |mu| falls from 13 to 1.2 within one step of eps, the norm and its error do not
+    system = random_system(811504540, 1, symmetric=False)
+    chart = stability_chart(system, [0.9964078170023314], np.linspace(0, 1, 10), audit=0, progress=False)
+    exact = monodromy(system, chart.Omega[0], chart.eps[8])
+    error = abs(chart.growth_rate[8, 0] - exact.growth_rate) * 2 * np.pi / chart.Omega[0]
+    assert error > 10 * exact.log_modulus_error
+    assert error < chart.error[8, 0]
+
+
+def test_an_eigenvalue_that_does_not_converge_leaves_its_cell_undecided(monkeypatch):
+    def lacking(samples, weights):
+        mu = eigenvalues(samples, weights)
+        mu[3, 1] = np.nan
+        return mu
+
+    monkeypatch.setattr(floquet.column, "eigenvalues", lacking)
+    chart = stability_chart(mathieu(1.0, 0.1), [1.3], np.linspace(0, 0.5, 12), audit=0, progress=False)
+    assert chart.kind[3, 0] == Kind.UNDECIDED
+    assert (np.delete(chart.kind[:, 0], 3) == Kind.STABLE).all()
 
 
 def test_step_size_resonance():
