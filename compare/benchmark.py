@@ -13,7 +13,9 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
+from llvmlite.binding import get_host_cpu_name
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_info
 
 from compare.peers import PEERS, Peer, Solve, modal_equations, rk4
 from compare.stages import Stages, chart_multipliers, stages
@@ -99,6 +101,13 @@ def plate(size: int, damping: float) -> MovingPlate:
     return MovingPlate(
         load=EdgeLoad.partial(0.5), inplane="static", axial_terms=axial, lateral_terms=lateral, damping=damping
     )
+
+
+def conditions() -> str:
+    """Return in one line what was measured on, and how busy it was with other work."""
+    libraries = {f"{found['internal_api']} {found.get('architecture', '')}".strip() for found in threadpool_info()}
+    load = f"{os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else "unknown"
+    return f"{get_host_cpu_name()}, {os.cpu_count()} cores, load {load}, {', '.join(sorted(libraries))}."
 
 
 def compare_methods(plan: Plan, peers: Sequence[Peer] = PEERS) -> Iterator[Comparison]:

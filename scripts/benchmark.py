@@ -30,7 +30,8 @@ def main(arguments: list[str] | None = None) -> int:
     if options.check:
         return _check()
     plan = benchmark.QUICK if options.quick else benchmark.Plan()
-    tables = []
+    tables = [f"Before: {benchmark.conditions()}"]
+    print(tables[0], flush=True)
     comparisons = []
     for found in benchmark.compare_methods(plan):
         comparisons.append(found)
@@ -43,6 +44,7 @@ def main(arguments: list[str] | None = None) -> int:
     ):
         tables.append(table)
         print(f"\n{table}", flush=True)
+    tables.append(f"After: {benchmark.conditions()}")
     if options.output:
         try:
             write_between(options.output, "\n\n".join(tables))

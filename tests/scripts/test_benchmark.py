@@ -107,6 +107,11 @@ def test_ratio_and_spread() -> None:
     assert "| peer | all | 2,000.0 | 0% | 100 | 1e-09 | 1e-07 |" in table
 
 
+def test_conditions_name_the_processor_and_the_libraries() -> None:
+    assert "cores" in benchmark.conditions()
+    assert "openblas" in benchmark.conditions() or "mkl" in benchmark.conditions()
+
+
 def test_fresh_process_reports_itself() -> None:
     wall, cpu, memory = benchmark.fresh_process("pass")
     assert wall >= 0
