@@ -26,9 +26,12 @@ def degree(x: tuple[float, ...], tolerance: float) -> int:
     return int(np.ceil((bound / eta).min())) - 1
 
 
+@lru_cache(maxsize=256)
 def chebyshev_points(m: int) -> FloatArray:
     """Return the m zeros of the Chebyshev polynomial T_m."""
-    return np.cos((2 * np.arange(m) + 1) * np.pi / (2 * m))
+    points = np.cos((2 * np.arange(m) + 1) * np.pi / (2 * m))
+    points.setflags(write=False)
+    return points
 
 
 def chebyshev_weights(m: int, x: ArrayLike) -> FloatArray:

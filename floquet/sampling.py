@@ -96,12 +96,13 @@ class Sampler:
             return None
         scale = unit_scale(1)
         samples = self._sample(plan, middle + radius * chebyshev_points(plan.nodes[0]), L, scale)[0]
-        sizes = np.linalg.norm(samples, axis=(1, 2))
-        if not sizes.max() <= MOST_CONTRAST * sizes.min():
+        squares = _squares(samples)
+        sizes = np.diag(squares)
+        if not sizes.max() <= MOST_CONTRAST**2 * sizes.min():
             return None
         weights = _interpolation(len(samples), ((eps - middle) / radius).tobytes())
         scale = Scale(*(np.repeat(part, len(eps)) for part in scale))
-        return Panel(slice(0), samples, weights, scale, _norms(samples, weights)[: len(eps)])
+        return Panel(slice(0), samples, weights, scale, _norms(squares, weights)[: len(eps)])
 
     def _direct(self, eps: FloatArray, L: int, tolerance: float) -> Panel | None:
         """Return a panel with samples at the amplitudes themselves; None if they are several and need too much
@@ -118,7 +119,7 @@ class Sampler:
         if stop < L:
             P, scale = self._ordered_product(P, 2 ** (L - stop), growth, scale)
         weights = in_lanes(np.eye(len(eps)))
-        return Panel(slice(0), P[0], weights, scale, _norms(P[0], weights)[: len(eps)])
+        return Panel(slice(0), P[0], weights, scale, _norms(_squares(P[0]), weights)[: len(eps)])
 
     def _fits(self, matrices: int, growth: float) -> bool:
         return matrices <= MOST_MATRICES and matrices * self.size**2 <= MOST_ENTRIES and growth <= MOST_FACTOR
@@ -168,12 +169,16 @@ class Sampler:
         return product, total
 
 
-def _norms(samples: FloatArray, weights: FloatArray) -> FloatArray:
-    """Return the norms of the combinations of ``samples`` (m, N, N), in units of that of a rotation."""
+def _squares(samples: FloatArray) -> FloatArray:
+    """Return the scalar products (m, m) of ``samples`` (m, N, N); that of a rotation with itself is 1."""
     m, N = samples.shape[:2]
     flat = samples.reshape(m, N * N)
-    squares = (weights * (flat @ flat.T / N @ weights)).sum(axis=1).ravel()
-    return np.asarray(np.sqrt(np.maximum(squares, 0.0)))
+    return np.asarray(flat @ flat.T / N)
+
+
+def _norms(squares: FloatArray, weights: FloatArray) -> FloatArray:
+    """Return the norms of combinations of samples from the scalar products of these."""
+    return np.asarray(np.sqrt(np.maximum((weights * (squares @ weights)).sum(axis=1).ravel(), 0.0)))
 
 
 @lru_cache(maxsize=64)
