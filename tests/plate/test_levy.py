@@ -228,8 +228,9 @@ def test_tails_by_direct_summation(k: int) -> None:
         (0.01, (0.4, -1.1, 0.9, 0.5), 0.0, 1e-5),
         (0.1, (0.4, -1.1, 0.9, 0.5, 0.0, 0.3, -0.4), 0.0, 1e-4),
         (0.01, (0.4, -1.1, 0.9, 0.5, 0.0, 0.3, -0.4), 0.0, 2e-4),
-        # taken as straight, which tells within a few thousandths from it
+        # taken as straight, which tells at Y within the piece
         (3e-5, (0.4, -1.1, 0.9, 0.5, 0.0, 0.3, -0.4), 1e-2, 1e-2),
+        (1e-7, (0.4, -1.1, 0.9, 0.5), 1e-2, 2e-2),
     ],
 )
 def test_a_rough_piece_against_a_fine_polygon(
