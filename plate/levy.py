@@ -26,15 +26,13 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.polynomial.polynomial import polyder, polyval
-from numpy.typing import NDArray
 from scipy.special import exp1, zeta
 
 from periodic.checks import FloatArray
 from plate.basis import gauss_legendre
 from plate.distribution import Distribution
+from plate.inplane import ComplexArray
 from plate.transverse import NumericArray
-
-ComplexArray = NDArray[np.complex128]
 
 # Integrals and sums of e^-x end where it is rounding.
 EXPONENT = 37.0

@@ -18,7 +18,7 @@ import plate.levy
 from plate import Distribution, EdgeLoad, transverse
 from plate.basis import gauss_legendre
 from plate.inplane import InPlaneProblem
-from plate.levy import exponential_integral, static_stresses, sum_of_tail
+from plate.levy import exponential_integral, smoothed, static_stresses, sum_of_tail
 
 LOADS = {
     "uniform": EdgeLoad.uniform().static,
@@ -249,6 +249,18 @@ def test_a_rough_piece_against_a_fine_polygon(
     Y = np.array([0.0, 0.35, low - width / 3, low + 0.3 * width, high + width / 2, 0.9])
     one, other = (static_stresses(load, r, 0.3, X, Y) for load in (rough, polygon))
     np.testing.assert_allclose(one, other, atol=tolerance)
+
+def test_rough_pieces_are_cut_into_hermite_cubics() -> None:
+    rough = Distribution((0.0, 0.4, 0.41, 1.0), ((1.0, 0.5), (0.4, -1.1, 0.9, 0.5, 0.0, 0.3, -0.4), (2.0, -0.3)))
+    cut = smoothed(rough)
+    assert len(cut.coefficients) == 2 + 6**2
+    y = np.linspace(0, 1, 2001)
+    np.testing.assert_allclose(cut(y), rough(y), atol=1e-4)
+    for one, other in ((cut, rough), (cut.derivative, rough.derivative)):
+        jumps = one.jumps[1:-1]
+        np.testing.assert_allclose(jumps[[0, -1]], other.jumps[1:-1], rtol=1e-9)
+        np.testing.assert_allclose(jumps[1:-1], 0, atol=1e-9 * np.abs(jumps).max())
+    assert smoothed(LOADS["half wave"]) == LOADS["half wave"]
 
 
 @pytest.mark.parametrize(
