@@ -250,6 +250,7 @@ def test_a_rough_piece_against_a_fine_polygon(
     one, other = (static_stresses(load, r, 0.3, X, Y) for load in (rough, polygon))
     np.testing.assert_allclose(one, other, atol=tolerance)
 
+
 def test_rough_pieces_are_cut_into_hermite_cubics() -> None:
     rough = Distribution((0.0, 0.4, 0.41, 1.0), ((1.0, 0.5), (0.4, -1.1, 0.9, 0.5, 0.0, 0.3, -0.4), (2.0, -0.3)))
     cut = smoothed(rough)
