@@ -91,11 +91,16 @@ class Distribution:
         breaks = np.array(self.breaks)
         piece = np.clip(np.searchsorted(breaks, y, side="right") - 1, 0, len(self.coefficients) - 1)
         values = np.empty_like(y)
-        for i, row in enumerate(self.coefficients):
+        for i in range(len(self.coefficients)):
             here = piece == i
-            xi = (2 * y[here] - breaks[i] - breaks[i + 1]) / (breaks[i + 1] - breaks[i])
-            values[here] = np.polynomial.legendre.legval(xi, row)
+            values[here] = self.piece(i, y[here])
         return values
+
+    def piece(self, i: int, y: FloatArray) -> FloatArray:
+        """Return the values of the polynomial of piece ``i``, counted from 0, at any y/b."""
+        start, end = self.breaks[i : i + 2]
+        xi = (2 * y - start - end) / (end - start)
+        return np.asarray(np.polynomial.legendre.legval(xi, self.coefficients[i]), dtype=np.float64)
 
     def __add__(self, other: Distribution) -> Distribution:
         if not isinstance(other, Distribution):
@@ -124,6 +129,23 @@ class Distribution:
     def mean(self) -> float:
         """Mean value over the edge."""
         return math.fsum(row[0] * width for row, width in zip(self.coefficients, np.diff(self.breaks), strict=True))
+
+    @property
+    def derivative(self) -> Distribution:
+        """The derivative inside the pieces; it knows nothing of the jumps between them."""
+        pieces = zip(self.coefficients, np.diff(self.breaks), strict=True)
+        rows = (tuple(2 / width * np.polynomial.legendre.legder(row)) for row, width in pieces)
+        return Distribution(self.breaks, tuple(rows))
+
+    @property
+    def jumps(self) -> FloatArray:
+        """The value to the right of each break less that to its left, both being 0 beyond the edge, shape (p + 1,)."""
+        jumps = np.zeros(len(self.breaks))
+        for i, row in enumerate(self.coefficients):
+            start, end = np.polynomial.legendre.legval([-1.0, 1.0], row)
+            jumps[i] += start
+            jumps[i + 1] -= end
+        return jumps
 
     def projection(self, terms: int) -> FloatArray:
         """Return (f, q_l) for the orthonormal Legendre polynomials q_l of `plate.basis`, shape (terms,); exact."""

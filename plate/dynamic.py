@@ -66,8 +66,13 @@ class DynamicStress(StaticStress):
         return self._stiffness(self.problem.response(self.forces[0], 0.0, speed / self.wave_speed, 0.0)).real
 
     def field(self, harmonic: int, Omega: float, X: FloatArray, Y: FloatArray) -> ComplexArray:
-        """Return the stresses at frequency j Omega, from the full system."""
-        return self.problem.stresses(self.problem.response(self.forces[harmonic], *self._at(harmonic * Omega)), X, Y)
+        """Return the stresses at frequency j Omega: the exact static ones and what inertia and transport add.
+
+        That part is smooth, and it is taken from the trial space (6), by the full system.
+        """
+        force = self.forces[harmonic]
+        added = self.problem.response(force, *self._at(harmonic * Omega)) - self.problem.static_response(force)
+        return super().field(harmonic, Omega, X, Y) + self.problem.stresses(added, X, Y)
 
     def stiffness(self, harmonic: int, Omega: float) -> ComplexArray:
         """Return F_cj - i F_sj at frequency j Omega.

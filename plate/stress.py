@@ -11,6 +11,7 @@ import numpy as np
 from periodic.checks import FloatArray
 from plate.distribution import Distribution
 from plate.inplane import ComplexArray, InPlaneProblem
+from plate.levy import static_stresses
 from plate.loads import EdgeLoad
 from plate.transverse import NumericArray, membrane_stiffness
 
@@ -27,7 +28,7 @@ class StressModel(Protocol):
         ...
 
     def field(self, harmonic: int, Omega: float, X: FloatArray, Y: FloatArray) -> ComplexArray:
-        """Return the amplitudes of N_xx, N_yy, N_xy, j >= 0, on a grid, shape (3, X.size, Y.size)."""
+        """Return the amplitudes of N_xx, N_yy, N_xy, j >= 0, on an increasing grid, shape (3, X.size, Y.size)."""
         ...
 
 
@@ -74,6 +75,9 @@ class MembraneStress:
 class StaticStress:
     """The stress of eq. (8) without inertia and transport: elastic equilibrium at every instant.
 
+    F is that of the trial space (6), whose stress oscillates about the true one beside corners and jumps of the load;
+    its integrals converge well all the same. ``field``, to look at, is the true stress: `plate.levy`.
+
     Kelvin–Voigt damping does not enter, since the factor 1 + i w c of the strains and that of the stresses cancel.
 
     Parameters
@@ -100,8 +104,13 @@ class StaticStress:
         return self._stiffness(self._response(harmonic))
 
     def field(self, harmonic: int, Omega: float, X: FloatArray, Y: FloatArray) -> ComplexArray:
-        """Return the stresses, the same at every Omega."""
-        return self.problem.stresses(self._response(harmonic), X, Y)
+        """Return the exact stresses, the same at every Omega."""
+        f_c, f_s = self.load.harmonic(harmonic)
+        r, nu = self.problem.r, self.problem.nu
+        stresses = static_stresses(f_c, r, nu, X, Y).astype(np.complex128)
+        if f_s != 0 * f_s:
+            stresses -= 1j * static_stresses(f_s, r, nu, X, Y)
+        return stresses
 
     def _response(self, harmonic: int) -> ComplexArray:
         return self.problem.static_response(self.forces[harmonic])

@@ -5,9 +5,22 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from periodic import PeriodicSystem
+from plate import Distribution
+
+numbers = st.floats(-10, 10)
+
+
+@st.composite
+def distributions(draw: st.DrawFn) -> Distribution:
+    """Up to four pieces, of degree up to three, with ends at whole hundredths."""
+    inner = draw(st.lists(st.integers(1, 99), max_size=3, unique=True))
+    breaks = (0.0, *(i / 100 for i in sorted(inner)), 1.0)
+    rows = [tuple(draw(st.lists(numbers, min_size=1, max_size=4))) for _ in breaks[1:]]
+    return Distribution(breaks, tuple(rows))
 
 
 class Modes(NamedTuple):

@@ -7,23 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 from hypothesis import given, settings
-from hypothesis import strategies as st
 from numpy.polynomial import Legendre
+from plate_oracles import distributions, numbers
 from scipy.integrate import quad
 
 from plate import Distribution, EdgeLoad
 
 TERMS = 9
-
-numbers = st.floats(-10, 10)
-
-
-@st.composite
-def distributions(draw: st.DrawFn) -> Distribution:
-    inner = draw(st.lists(st.integers(1, 99), max_size=3, unique=True))
-    breaks = (0.0, *(i / 100 for i in sorted(inner)), 1.0)
-    rows = [tuple(draw(st.lists(numbers, min_size=1, max_size=4))) for _ in breaks[1:]]
-    return Distribution(breaks, tuple(rows))
 
 
 def by_antiderivatives(f: Distribution, factor: Legendre) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,8 +11,9 @@ import pytest
 from numpy.polynomial import Legendre
 from numpy.typing import NDArray
 
-from plate import EdgeLoad, InPlaneResonanceWarning, MovingPlate, transverse
+from plate import EdgeLoad, InPlaneResonanceWarning, MovingPlate, StressField, transverse
 from plate.basis import gauss_legendre
+from plate.inplane import InPlaneProblem
 
 OBLIQUE = EdgeLoad.linear(0.5, 1.5).with_waveform({1: (1.0, 0.4), 2: (EdgeLoad.partial(0.4, 0.3), 0.2)})
 
@@ -95,20 +97,35 @@ def brute_force(plate: MovingPlate, w: float, f_c: Any, f_s: Any, X: Any, Y: Any
 )
 def test_every_harmonic_against_brute_force(parameters: dict[str, float]) -> None:
     plate = MovingPlate(**parameters, load=OBLIQUE, inplane="dynamic", inplane_terms=(7, 6))
+    at_rest = replace(plate, speed=0.0)
     X, Y = np.linspace(0, plate.aspect_ratio, 5), np.linspace(0, 1, 4)
+    system = plate.at(37.0)
+    rules = gauss_legendre(50, 0.0, plate.aspect_ratio), gauss_legendre(40, 0.0, 1.0)
     for j in (1, 2):
-        field = plate.stress(37.0, j, X, Y)
+        # F, all of it
+        exact = brute_force(plate, j * 37.0, *OBLIQUE.harmonic(j), rules[0][0], rules[1][0])
+        F = transverse.stress_stiffness(exact, *rules, plate.axial_terms, plate.lateral_terms, plate.aspect_ratio)
+        found = system.cosine[j - 1] - 1j * system.sine[j - 1]
+        np.testing.assert_allclose(found, F, atol=1e-9 * np.abs(F).max())
+        # of the stress, what inertia adds
         exact = brute_force(plate, j * 37.0, *OBLIQUE.harmonic(j), X, Y)
-        found = np.array([field.N_xx.T, field.N_yy.T, field.N_xy.T])
-        np.testing.assert_allclose(found, exact, atol=1e-9 * np.abs(exact).max())
+        inertial = exact - brute_force(at_rest, 1e-4, *OBLIQUE.harmonic(j), X, Y)  # at w = 0 it is singular
+        found = values(plate.stress(37.0, j, X, Y)) - values(replace(plate, inplane="static").stress(37.0, j, X, Y))
+        np.testing.assert_allclose(found, inertial, atol=1e-9 * np.abs(exact).max())
 
 
-def from_stress(plate: MovingPlate, Omega: float, j: int) -> NDArray[np.complex128]:
-    """F_cj - i F_sj (times f0) from the full solution, integrated on another grid."""
-    (X, W_X), (Y, W_Y) = gauss_legendre(50, 0.0, plate.aspect_ratio), gauss_legendre(40, 0.0, 1.0)
-    field = plate.stress(Omega, j, X, Y)
-    stresses = np.array([field.N_xx.T, field.N_yy.T, field.N_xy.T])
-    rules = (field.x, W_X), (field.y, W_Y)
+def values(field: StressField) -> NDArray[np.complex128]:
+    return np.array([field.N_xx.T, field.N_yy.T, field.N_xy.T])
+
+
+def from_full_solution(plate: MovingPlate, Omega: float, j: int) -> NDArray[np.complex128]:
+    """F_cj - i F_sj (times f0) from the full system, integrated on another grid."""
+    rules = gauss_legendre(50, 0.0, plate.aspect_ratio), gauss_legendre(40, 0.0, 1.0)
+    problem = InPlaneProblem(plate.aspect_ratio, plate.poisson_ratio, *plate.inplane_terms)
+    f_c, f_s = plate.load.harmonic(j)
+    w, C = j * Omega, np.sqrt(12) / plate.thickness_ratio
+    response = problem.response(problem.force(f_c) - 1j * problem.force(f_s), w / C, plate.speed / C, w * plate.damping)
+    stresses = plate.tension * problem.stresses(response, rules[0][0], rules[1][0])
     return transverse.stress_stiffness(stresses, *rules, plate.axial_terms, plate.lateral_terms, plate.aspect_ratio)
 
 
@@ -123,7 +140,7 @@ def test_reduction_agrees_with_the_full_solution(thickness_ratio: float, damping
     for Omega in np.linspace(0.0, 200.0, 9):
         system = plate.at(float(Omega))
         for j in (1, 2):
-            F = from_stress(plate, float(Omega), j)
+            F = from_full_solution(plate, float(Omega), j)
             found = system.cosine[j - 1] - 1j * system.sine[j - 1]
             np.testing.assert_allclose(found, F, atol=1e-9 * np.abs(F).max())
 
@@ -153,12 +170,16 @@ def test_inertia_is_of_second_order_in_the_thickness() -> None:
     load = EdgeLoad.partial(0.5)
     static = MovingPlate(inplane="static", load=load).at(30.0)
     ratios = np.array([0.04, 0.02, 0.01, 0.005])
-    excitation, stiffness = [], []
+    X, Y = np.linspace(0, 1, 7), np.linspace(0, 1, 8)
+    static_stress = values(MovingPlate(inplane="static", load=load).stress(30.0, 1, X, Y))
+    excitation, stiffness, stress = [], [], []
     for ratio in ratios:
-        dynamic = MovingPlate(inplane="dynamic", load=load, thickness_ratio=ratio).at(30.0)
+        plate = MovingPlate(inplane="dynamic", load=load, thickness_ratio=ratio)
+        dynamic = plate.at(30.0)
         excitation.append(np.abs(dynamic.cosine - 1j * dynamic.sine - static.cosine).max())
         stiffness.append(np.abs(dynamic.stiffness - static.stiffness).max())
-    for differences in (excitation, stiffness):
+        stress.append(np.abs(values(plate.stress(30.0, 1, X, Y)) - static_stress).max())
+    for differences in (excitation, stiffness, stress):
         assert np.polyfit(np.log(ratios), np.log(differences), 1)[0] == pytest.approx(2, abs=0.05)
 
 
