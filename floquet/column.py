@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from floquet.coordinates import Block, blocks, equations
 from floquet.doubling import TOLERANCE
+from floquet.krein import held_apart
+from floquet.multipliers import Kind
 from floquet.sampling import Sampler, Workspace
 from floquet.spectra import eigenvalues
 from floquet.symplectic import reciprocal_pairs, symplectic_eigenvalues
@@ -92,8 +94,29 @@ def _columns(
         slopes = np.array([columns[i].slope for i in measured])
         slopes = np.maximum(slopes[before], slopes[after])
         E = np.array([column.error(slope) for column, slope in zip(columns, slopes, strict=True)])
-        cells.append(judge(found, E, block.symplectic or block.reversible))
+        judged = judge(found, E, block.symplectic or block.reversible)
+        if block.symplectic:
+            for i in np.flatnonzero((_in_doubt(judged)).any(axis=1)):
+                _look_again(block, float(Omega[i]), eps, steps_a_cycle, work, Cells(*(x[i] for x in judged)), E[i])
+        cells.append(judged)
     return combine(cells)
+
+
+def _in_doubt(judged: Cells) -> NDArray[np.bool_]:
+    """Return where all multipliers are on the unit circle, but two of them close."""
+    return np.asarray((judged.kind == Kind.UNDECIDED) & (judged.log_modulus == 0))
+
+
+def _look_again(
+    block: Block, Omega: float, eps: FloatArray, steps_a_cycle: float, work: Workspace, judged: Cells, E: FloatArray
+) -> None:
+    """Decide cells of a column, in place, whose multipliers are held apart by Krein's form (floquet/krein.py)."""
+    cells = np.flatnonzero(_in_doubt(judged))
+    sampler = Sampler(block, equations(block, least_frequency(Omega)), Omega, work)
+    Phi = sampler.matrices(eps[cells], log2_steps(block, Omega, eps, steps_a_cycle), TOLERANCE)
+    stable = cells[held_apart(Phi, E[cells])]
+    judged.kind[stable] = Kind.STABLE
+    judged.error[stable] = E[stable]
 
 
 class _Column(NamedTuple):

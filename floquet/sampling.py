@@ -88,6 +88,14 @@ class Sampler:
                 middle = cells.start + count // 2
                 stack += [slice(middle, cells.stop), slice(cells.start, middle)]
 
+    def matrices(self, eps: FloatArray, L: int, tolerance: float) -> FloatArray:
+        """Return the monodromy matrices at a few amplitudes, (k, N, N), whose growth is within the range of floats."""
+        found = []
+        for panel in self.panels(eps, L, tolerance):
+            weights = panel.weights.transpose(0, 2, 1).reshape(-1, len(panel.samples))[: panel.norms.size]
+            found.append(np.tensordot(weights, panel.samples, 1) * np.exp2(panel.scale.exponents)[:, None, None])
+        return np.concatenate(found)
+
     def _interpolated(self, eps: FloatArray, L: int, tolerance: float) -> Panel | None:
         """Return a panel with samples at Chebyshev points; None if they would be too many, or are too unequal."""
         middle, radius = (eps[-1] + eps[0]) / 2, (eps[-1] - eps[0]) / 2

@@ -43,12 +43,8 @@ def ordered(factors):
 
 def sampled(block, Omega, eps, L, tolerance=TOLERANCE):
     """Monodromy matrices of a block at ``eps`` from the panels of a `Sampler`."""
-    found = []
-    for panel in Sampler(block, equations(block, 0.01), Omega, Workspace()).panels(np.asarray(eps), L, tolerance):
-        weights = panel.weights.transpose(0, 2, 1).reshape(-1, len(panel.samples))[: len(panel.scale.exponents)]
-        matrices = np.tensordot(weights, panel.samples, 1)
-        found.append(matrices * 2.0 ** panel.scale.exponents[:, None, None])
-    return np.concatenate(found)
+    sampler = Sampler(block, equations(block, 0.01), Omega, Workspace())
+    return sampler.matrices(np.asarray(eps), L, tolerance)
 
 
 # ---- the single step ----
