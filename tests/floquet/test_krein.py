@@ -36,8 +36,8 @@ def test_rotations_are_held_apart_up_to_the_error(second):
 def test_oblique_eigenvectors_need_more_distance():
     E = np.array([1e-6])
     assert held_apart(rotations(1.0, -1.0001)[None], E)[0]
-    assert not held_apart(coupled(1.0, 1.0, -1.0001)[None], E)[0]
-    assert held_apart(coupled(1.0, 1.0, -1.0001)[None], E * 1e-6)[0]
+    assert not held_apart(coupled(2.0, 1.0, -1.0001)[None], E)[0]
+    assert held_apart(coupled(2.0, 1.0, -1.0001)[None], E * 1e-6)[0]
 
 
 def test_off_the_circle_nothing_is_held():
