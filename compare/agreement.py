@@ -8,16 +8,15 @@ O(eps^(m+1)): the fitted order says whether it does.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-from joblib import Parallel, delayed
 from numpy.typing import ArrayLike
 from tqdm import tqdm
 
 from floquet import BoundaryTrace, Kind, trace_boundary
+from floquet.parallel import gather
 from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import FloatArray, grid, interval, one_of, whole_number, workers
 from perturb import TransitionCurve, transition_curves
@@ -111,7 +110,7 @@ def agreement(
     modes : int, optional
         Judge only resonances among the lowest ``modes`` modes; all if left out.
     n_jobs : int or None
-        Regions traced at once (threads), as in joblib; -1 for all cores.
+        Regions traced at once, as in `floquet.stability_chart`.
     progress : bool
         Show a progress bar.
 
@@ -137,10 +136,9 @@ def agreement(
     rungs = [_DampingScaled(family, value / ladder[-1]) for value in ladder]
     predictions = [_select(transition_curves(rung, window, order=order, kinds=kinds), modes) for rung in rungs]
     regions = sorted(predictions[-1], key=lambda key: predictions[-1][key].centre)
-    judge = delayed(_judge)
-    tasks = (judge(rungs, [curves[key] for curves in predictions], ladder, order) for key in regions)
-    results: Iterable[RegionAgreement] = Parallel(n_jobs=n_jobs, prefer="threads", return_as="generator")(tasks)
-    return list(tqdm(results, desc="boundaries", total=len(regions), unit="region", disable=not progress))
+    tasks = [(rungs, [curves[key] for curves in predictions], ladder, order) for key in regions]
+    with tqdm(desc="boundaries", total=len(tasks), unit="region", disable=not progress) as bar:
+        return gather(_judge, tasks, n_jobs, bar)
 
 
 @dataclass(frozen=True, eq=False)

@@ -207,7 +207,7 @@ def _default_eps(system: PeriodicSystem, scale: FloatArray, stiffness: FloatArra
     size = np.abs(values)
     if not size.any():
         return 1.0
-    soft = scale.T @ vectors / np.sqrt(np.maximum(size, RIGID * size.max()))
+    soft = scale.T @ vectors / np.sqrt(np.maximum(size, RIGID**2 * size.max()))
     change = max(float(np.linalg.norm(soft.T @ F @ soft, 2)) for F in (*system.cosine, *system.sine))
     wanted = STIFFNESS_CHANGE if values[0] > 0 else OVERCOMING
     return _rounded(wanted / change) if change > 0 else 1.0

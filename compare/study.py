@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from joblib import Parallel, delayed
 from threadpoolctl import threadpool_limits
 from tqdm import tqdm
 
@@ -14,6 +13,7 @@ from compare.agreement import DEFAULT_LADDER, RegionAgreement, agreement
 from compare.cases import Case
 from compare.overlay import Figure, Layer, overlay, region_panels, variant_panels
 from floquet import BoundaryTrace, StabilityChart, stability_chart, trace_boundary
+from floquet.parallel import gather
 from periodic import SystemFamily
 from periodic.checks import FloatArray
 from perturb import TransitionCurve, transition_curves
@@ -167,11 +167,10 @@ def _run_variant(
     shown = [curve for curve in curves if curve.kind == "sum" and curve.j == 1 and {curve.p, curve.q} in wanted]
     shown.sort(key=lambda curve: wanted.index({curve.p, curve.q}))
     points = QUICK_TRACE_POINTS if quick else TRACE_POINTS
-    trace = delayed(trace_boundary)
-    tasks = (trace(family, curve.centre, _ladder(curve, eps_max, points)) for curve in shown)
-    traced = Parallel(n_jobs=n_jobs, prefer="threads", return_as="generator")(tasks)
-    panels = zip(shown, tqdm(traced, desc="traces", total=len(shown), unit="region", disable=not progress), strict=True)
-    return VariantStudy(label, chart, curves, list(panels), verdicts)
+    tasks = [(family, curve.centre, _ladder(curve, eps_max, points)) for curve in shown]
+    with tqdm(desc="traces", total=len(tasks), unit="region", disable=not progress) as bar:
+        traces = gather(trace_boundary, tasks, n_jobs, bar)
+    return VariantStudy(label, chart, curves, list(zip(shown, traces, strict=True)), verdicts)
 
 
 def _ladder(curve: TransitionCurve, eps_max: float, points: int) -> FloatArray:

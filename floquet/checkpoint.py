@@ -8,7 +8,9 @@ import os
 import platform
 import tempfile
 from collections.abc import Sequence
+from contextlib import suppress
 from functools import cache
+from itertools import groupby
 from pathlib import Path
 
 import llvmlite.binding
@@ -31,6 +33,8 @@ class BlockStore:
     package's code, the libraries and the kind of processor. It appears complete or not at all, and carries the hash of
     its content: what a power cut or a bad disk damaged counts as not there.
 
+    It remembers which blocks it has read or written, so that `clear` removes these and nobody else's.
+
     Parameters
     ----------
     folder : str or path-like
@@ -46,26 +50,25 @@ class BlockStore:
         if not isinstance(folder, str | os.PathLike):
             raise ValueError(f"cache = {folder!r} is not a path; give the name of a folder")
         self.folder = Path(folder)
+        self._used: set[Path] = set()
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
             tempfile.TemporaryFile(dir=self.folder).close()
         except OSError as error:
-            raise ValueError(
-                f"cache = {str(folder)!r} cannot be written to ({error.strerror}); give another folder"
-            ) from None
+            raise ValueError(self._refusal(error)) from None
 
     def path(self, systems: Sequence[PeriodicSystem], Omega: FloatArray, eps: FloatArray, steps: float) -> Path:
         """Return where the block with these inputs of `floquet.column.chart_block` is kept."""
         digest = hashlib.sha256(code_version())
         for array in (Omega, eps, np.array(steps)):
             _add(digest, array)
-        for system in systems:
+        for system, same in groupby(systems):  # most families have one and the same for all columns
+            _add(digest, np.array(len(list(same))))
             for array in vars(system).values():
                 _add(digest, array)
         return self.folder / f"{digest.hexdigest()}.block"
 
-    @staticmethod
-    def load(path: Path) -> Columns | None:
+    def load(self, path: Path) -> Columns | None:
         """Return the block in ``path``; None if there is none, or it is damaged."""
         try:
             data = path.read_bytes()
@@ -74,16 +77,40 @@ class BlockStore:
         digest, content = data[:DIGEST_BYTES], data[DIGEST_BYTES:]
         if hashlib.sha256(content).digest() != digest:
             return None
+        self._used.add(path)
         with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
             return Columns(*(arrays[name] for name in Columns._fields))
 
-    @staticmethod
-    def save(path: Path, block: Columns) -> None:
-        """Write a block, in one step as others see it, even if the power fails."""
+    def save(self, path: Path, block: Columns) -> None:
+        """Write a block, in one step as others see it, even if the power fails.
+
+        Raises
+        ------
+        ValueError
+            If it cannot be written, for instance because the disk is full.
+        """
         buffer = io.BytesIO()
         np.savez(buffer, **block._asdict())
         content = buffer.getvalue()
-        replace_file(path, hashlib.sha256(content).digest() + content)
+        self._used.add(path)
+        try:
+            self.folder.mkdir(
+                parents=True, exist_ok=True
+            )  # another process may have cleared its blocks, and the folder
+            replace_file(path, hashlib.sha256(content).digest() + content)
+        except OSError as error:
+            raise ValueError(self._refusal(error)) from None
+
+    def clear(self) -> None:
+        """Remove the blocks that were read or written here, and the folder if nothing else is in it."""
+        for path in self._used:
+            path.unlink(missing_ok=True)
+        self._used.clear()
+        with suppress(OSError):
+            self.folder.rmdir()
+
+    def _refusal(self, error: OSError) -> str:
+        return f"cache = {str(self.folder)!r} cannot be written to ({error.strerror}); give another folder"
 
 
 @cache
