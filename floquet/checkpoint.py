@@ -39,6 +39,8 @@ class BlockStore:
     ----------
     folder : str or path-like
         Made if it does not exist.
+    fresh : bool
+        Take no block that was there before; keep new ones all the same.
 
     Raises
     ------
@@ -46,10 +48,10 @@ class BlockStore:
         If ``folder`` is no path, or cannot be made or written to.
     """
 
-    def __init__(self, folder: str | os.PathLike[str]) -> None:
+    def __init__(self, folder: str | os.PathLike[str], *, fresh: bool = False) -> None:
         if not isinstance(folder, str | os.PathLike):
             raise ValueError(f"cache = {folder!r} is not a path; give the name of a folder")
-        self.folder = Path(folder)
+        self.folder, self.fresh = Path(folder), fresh
         self._used: set[Path] = set()
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
@@ -59,7 +61,7 @@ class BlockStore:
 
     def path(self, systems: Sequence[PeriodicSystem], Omega: FloatArray, eps: FloatArray, steps: float) -> Path:
         """Return where the block with these inputs of `floquet.column.chart_block` is kept."""
-        digest = hashlib.sha256(code_version())
+        digest = hashlib.sha256(code_version() + processor().encode())
         for array in (Omega, eps, np.array(steps)):
             _add(digest, array)
         for system, same in groupby(systems):  # most families have one and the same for all columns
@@ -69,7 +71,9 @@ class BlockStore:
         return self.folder / f"{digest.hexdigest()}.block"
 
     def load(self, path: Path) -> Columns | None:
-        """Return the block in ``path``; None if there is none, or it is damaged."""
+        """Return the block in ``path``; None if there is none, it is damaged, or the store is to be fresh."""
+        if self.fresh and path not in self._used:
+            return None
         try:
             data = path.read_bytes()
         except OSError:
@@ -115,13 +119,19 @@ class BlockStore:
 
 @cache
 def code_version() -> bytes:
-    """Return the hash of everything but the inputs that the bits of a chart depend on."""
+    """Return the hash of this package's code and of the versions of what it is built on."""
     digest = hashlib.sha256()
     for source in sorted(Path(__file__).parent.glob("*.py")):
         digest.update(source.read_bytes())
-    versions = (np.__version__, scipy.__version__, numba.__version__, platform.python_version(), platform.machine())
-    digest.update("\0".join((*versions, llvmlite.binding.get_host_cpu_name())).encode())
+    versions = (np.__version__, scipy.__version__, numba.__version__, platform.python_version())
+    digest.update("\0".join(versions).encode())
     return digest.digest()
+
+
+@cache
+def processor() -> str:
+    """Return the kind of processor, on which the last bits of a chart depend."""
+    return f"{platform.machine()} {llvmlite.binding.get_host_cpu_name()}"
 
 
 def _add(digest: hashlib._Hash, array: FloatArray) -> None:
