@@ -27,6 +27,8 @@ DEFAULT_LADDER = (0.0125, 0.025, 0.05, 0.1)
 # How far the fitted order may fall short of the expected one: what the next term of the expansion leaves on rungs
 # that have not quite reached the limit.
 ORDER_TOLERANCE = 0.15
+# Part of a gap, over eps^order, that may be left at eps = 0: what the polynomial through the rungs is off by.
+REMAINDER = 0.02
 # Edges closer than this part of the frequency are one edge: ten times what tracing resolves.
 RESOLUTION = 1e-8
 
@@ -185,7 +187,7 @@ def _judge(rungs: list[_DampingScaled], curves: list[TransitionCurve], eps: Floa
         where = ", ".join(f"{value:g}" for value in eps[undecided])
         agrees, reason = False, f"integration cannot tell this region from others at eps = {where}"
     else:
-        agrees, reason = _verdict(eps, analytic, traced, gap, fitted, order, RESOLUTION * last.centre)
+        agrees, reason = _verdict(eps, analytic, traced, fitted, order, RESOLUTION * last.centre)
     return RegionAgreement(
         label=last.label,
         kind=last.kind,
@@ -219,15 +221,30 @@ def fitted_order(eps: FloatArray, gap: FloatArray) -> float:
     return float(local[0] - (local[1] - local[0]) * middle[0] / (middle[1] - middle[0]))
 
 
+def vanishes(eps: FloatArray, difference: FloatArray, order: int, resolution: float) -> bool:
+    """Return whether a signed difference of edges has no part of order ``order``, or lower, in eps.
+
+    A gap whose leading part happens to be small changes sign between rungs, and then has no local order. Divided by
+    eps^order it still has to go to zero: the polynomial through all rungs says where it goes.
+    """
+    quotient = difference / eps**order
+    if not np.isfinite(quotient).all():
+        return False
+    others = [np.delete(eps, k) for k in range(eps.size)]
+    weights = np.array([np.prod(rest / (rest - e)) for e, rest in zip(eps, others, strict=True)])  # Lagrange's, at 0
+    allowed = REMAINDER * np.abs(quotient).max() + resolution * np.abs(weights / eps**order).sum()
+    return bool(abs(weights @ quotient) <= allowed)
+
+
 def _verdict(
     eps: FloatArray,
     analytic: FloatArray,
     traced: FloatArray,
-    gap: FloatArray,
     fitted: FloatArray,
     order: int,
     resolution: float,
 ) -> tuple[bool, str]:
+    gap = np.abs(traced - analytic)
     predicted = analytic[1] - analytic[0] > resolution  # NaN (closed) compares false
     found = traced[1] - traced[0] > resolution
     wanted = order + 1
@@ -249,7 +266,11 @@ def _verdict(
     if (at_floor | (fitted >= wanted - ORDER_TOLERANCE)).all():
         orders = " and ".join("at rounding" if flat else f"{m:.2f}" for flat, m in zip(at_floor, fitted, strict=True))
         return True, f"gap of order {orders} in eps (expected {wanted})"
-    return False, f"gap of order {fitted[0]:.2f} and {fitted[1]:.2f} in eps where {wanted} is expected"
+    orders = f"{fitted[0]:.2f} and {fitted[1]:.2f}"
+    vanishing = [vanishes(eps, edge, order, resolution) for edge in traced - analytic]
+    if (at_floor | (fitted >= wanted - ORDER_TOLERANCE) | vanishing).all():
+        return True, f"gap changes sign (order {orders} fitted); nothing of order {order} in eps is left at eps = 0"
+    return False, f"gap of order {orders} in eps where {wanted} is expected"
 
 
 def _stack(traces: list[BoundaryTrace], *names: str) -> FloatArray:

@@ -28,6 +28,8 @@ GROWTH_MAP = "Blues"
 CHARACTER_POINTS, LABEL_GAP_POINTS = 5.6, 8.0
 # Where variants lie on top of each other, each stays visible beside the narrower line of the next.
 LINE_WIDTH, WIDER = 1.4, 1.0
+# Inches that the legend of a picture with a single panel needs.
+LEGEND_WIDTH = 4.8
 
 STYLE: dict[Any, Any] = {
     "font.size": 9,
@@ -132,7 +134,7 @@ def region_panels(layers: Sequence[Layer], *, title: str = "") -> Figure:
     columns = min(3, len(regions))
     rows = -(-len(regions) // columns)
     with mpl.rc_context(STYLE):
-        figure = new_figure((3.2 * columns, 2.6 * rows + 0.9))
+        figure = new_figure((max(3.2 * columns, LEGEND_WIDTH), 2.6 * rows + 0.9))
         for index, (region, axes) in enumerate(
             zip(regions, figure.subplots(rows, columns, squeeze=False).flat, strict=False)
         ):

@@ -50,7 +50,7 @@ def lowest_modes(system: PeriodicSystem, Omega_range: tuple[float, float], eps: 
     except ValueError:  # damping that feeds energy into a mode: no theory
         return small, f"{said}."
     return small, (
-        f"{said}; by theory of second order the others move the edges of regions between these by {change:.1g} of "
+        f"{said}; by theory of second order the others move the edges of regions between these by {change:.2g} of "
         f"their frequency at most, at ε = {eps:g}."
     )
 

@@ -28,8 +28,8 @@ examples:
 
 A case file names a plate, a window of excitation frequencies and the regions to look at closely; docs/cases.md lists
 its keys. Of a system the regions between its lowest modes are judged, if you give no window in one that shows their
-main regions. Theory is for small ε: it is held to at most a quarter of the largest one, where the gap to the
-integrated boundaries has to shrink like ε².
+main regions. Theory is for small ε: it is held to small ones, where its gap to the integrated boundaries has to shrink
+like ε²; the report says how far it holds beyond.
 
 The exit status is 0 if theory and integration agree everywhere, 1 if they do not, 2 if the input is wrong.
 A claim of the paper that is contradicted, with counter-examples that integration confirms, is no disagreement.
