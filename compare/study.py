@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 from tqdm import tqdm
 
 from compare.agreement import DEFAULT_LADDER, RegionAgreement, agreement
@@ -17,6 +16,7 @@ from compare.overlay import Figure, Layer, overlay, region_panels, variant_panel
 from floquet import BoundaryTrace, StabilityChart, stability_chart, trace_boundary
 from floquet.checkpoint import BlockStore
 from floquet.parallel import gather
+from floquet.threads import single_blas_thread
 from periodic import SystemFamily
 from periodic.checks import FloatArray
 from perturb import TransitionCurve, transition_curves
@@ -212,7 +212,7 @@ def run_case(
         If a system of the case cannot be analysed, for instance above its divergence speed.
     """
     subject = Subject.of_case(case) if isinstance(case, Case) else case
-    with threadpool_limits(limits=1, user_api="blas"):  # the matrices are small: threads of BLAS would only fight
+    with single_blas_thread():  # the matrices are small: threads of BLAS would only fight
         variants = [
             _run_variant(subject, label, family, n_jobs, quick, progress, cache)
             for label, family in subject.systems.items()

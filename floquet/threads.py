@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from threading import Lock
 from typing import Any
 
-from threadpoolctl import threadpool_limits
+import threadpoolctl
 
 _lock = Lock()
 _users: list[None] = []
@@ -22,7 +22,8 @@ def single_blas_thread() -> Iterator[None]:
     """
     with _lock:
         if not _users:
-            _limits.append(threadpool_limits(limits=1, user_api="blas"))
+            _free_control()
+            _limits.append(threadpoolctl.threadpool_limits(limits=1, user_api="blas"))
         _users.append(None)
     try:
         yield
@@ -30,4 +31,16 @@ def single_blas_thread() -> Iterator[None]:
         with _lock:
             _users.pop()
             if not _users:
+                _free_control()
                 _limits.pop().restore_original_limits()
+                _free_control()
+
+
+def _free_control() -> None:
+    """Let the next thread that asks for it change the number of threads.
+
+    Since 3.8 threadpoolctl leaves that to the thread that did so first, and ignores all others without a word.
+    """
+    clear = getattr(threadpoolctl.OpenBLASController, "clear_controlling_thread", None)
+    if clear is not None:
+        clear(force=True)

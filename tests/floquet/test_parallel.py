@@ -12,12 +12,13 @@ from typing import Any
 import joblib
 import numpy as np
 import pytest
-from threadpoolctl import threadpool_info
+from threadpoolctl import threadpool_info, threadpool_limits
 from tqdm import tqdm
 
 from floquet import StabilityChart, stability_chart, trace_regions
 from floquet.checkpoint import BlockStore
 from floquet.parallel import gather, spread
+from floquet.threads import single_blas_thread
 from periodic.examples import coupled_mathieu
 
 OMEGA, EPS = np.linspace(0.7, 5.0, 90), np.linspace(0.0, 1.0, 130)  # arrays of more than a kilobyte
@@ -80,8 +81,34 @@ def test_results_come_with_their_number(backend: str) -> None:
 
 @pytest.mark.parametrize("backend", ["threading", "loky"])
 def test_blas_has_one_thread_in_a_worker(backend: str) -> None:
-    with joblib.parallel_config(backend=backend):
-        assert [threads for _, threads in spread(_blas_threads, [()] * 4, 2)] == [1, 1, 1, 1]
+    # This thread has set another number, which gives it control over OpenBLAS.
+    with threadpool_limits(limits=2, user_api="blas"):
+        assert _blas_threads() == 2
+        with joblib.parallel_config(backend=backend):
+            assert [threads for _, threads in spread(_blas_threads, [()] * 4, 2)] == [1, 1, 1, 1]
+        assert _blas_threads() == 2
+
+
+def test_the_last_of_several_threads_lifts_the_limit() -> None:
+    inside, leave = threading.Barrier(3), threading.Event()
+    seen: list[int] = []
+
+    def hold() -> None:
+        with single_blas_thread():
+            inside.wait()
+            seen.append(_blas_threads())
+            leave.wait()
+
+    with threadpool_limits(limits=2, user_api="blas"):
+        holders = [threading.Thread(target=hold) for _ in range(2)]
+        for thread in holders:
+            thread.start()
+        inside.wait()
+        leave.set()
+        for thread in holders:
+            thread.join()
+        assert seen == [1, 1]
+        assert _blas_threads() == 2
 
 
 @pytest.mark.parametrize("backend", ["threading", "loky", "multiprocessing"])
