@@ -40,7 +40,7 @@ def workers_at(address: str | None) -> Iterator[str]:
         yield ""
         return
     try:
-        from distributed import Client
+        from distributed import Client, KilledWorker
     except ImportError:
         raise ValueError(
             "--dask needs dask.distributed; install it with: pip install 'floquet-charts[distributed]'"
@@ -63,6 +63,11 @@ def workers_at(address: str | None) -> Iterator[str]:
                     yield remark
                 except CancelledError as error:
                     raise ValueError(f"--dask {address}: the connection to the scheduler was lost ({error})") from None
+                except KilledWorker as error:
+                    raise ValueError(
+                        f"--dask {address}: a task was given up after the death of several workers ({error}); "
+                        "give them more memory"
+                    ) from None
     finally:
         logger.setLevel(level)
 

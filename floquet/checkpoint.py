@@ -105,6 +105,11 @@ class BlockStore:
         except OSError as error:
             raise ValueError(self._refusal(error)) from None
 
+    @property
+    def in_use(self) -> bool:
+        """Whether any block has been read or written here."""
+        return bool(self._used)
+
     def clear(self) -> None:
         """Remove the blocks that were read or written here, and the folder if nothing else is in it."""
         for path in self._used:

@@ -40,13 +40,12 @@ def run(name: str, options: argparse.Namespace, work: Callable[[BlockStore], int
     """Return the exit status of ``work``, or 2 for wrong input and 130 for an interruption, each with a sentence."""
     own = options.resume in (None, Path(UNFINISHED))
     folder = options.output / UNFINISHED if own else options.resume
-    left = own and any(folder.glob("*.block"))
+    store = None
     try:
+        if own and any(folder.glob("*.block")):
+            what = f"{folder} holds finished parts of charts of a run that was stopped"
+            print(what if options.resume else f"{what}; --resume goes on with them")
         store = BlockStore(folder, fresh=options.resume is None)
-        if left:
-            verb = "holds" if options.resume is None else "gives"
-            hint = "; --resume goes on with them" if options.resume is None else ""
-            print(f"{folder} {verb} finished parts of charts of a run that was stopped{hint}")
         with workers_at(options.dask) as remark:
             if remark:
                 print(remark)
@@ -55,19 +54,23 @@ def run(name: str, options: argparse.Namespace, work: Callable[[BlockStore], int
             store.clear()
         return status
     except ValueError as error:
-        print(f"{name}: {error}", file=sys.stderr)
-        return 2
+        return _stopped(name, str(error), store, 2)
     except KeyboardInterrupt:
-        kept = f"; finished parts of charts are in {folder}, and the same command with --resume goes on from there"
-        if not any(folder.glob("*.block")):
-            kept = ""
-        elif not own:
-            kept = f"; finished parts of charts are in {folder}, and the same command goes on from there"
-        print(f"\n{name}: interrupted; nothing was written{kept}", file=sys.stderr)
-        return 130
+        return _stopped(name, "interrupted; nothing was written", store, 130)
     finally:
         with suppress(OSError):  # it may hold what was finished
             folder.rmdir()
+
+
+def _stopped(name: str, why: str, store: BlockStore | None, status: int) -> int:
+    """Say why the command ends, and how to go on if there is something to go on with."""
+    print(f"{name}: {why}", file=sys.stderr)
+    if store is not None and store.in_use:
+        print(
+            f"Finished parts of charts are kept in {store.folder}: the same command with --resume goes on from there.",
+            file=sys.stderr,
+        )
+    return status
 
 
 def _jobs(text: str) -> int:

@@ -90,7 +90,7 @@ def test_kill_nine_twice_and_go_on(home: Path) -> None:
     child = _start(home, "--output", "twice", "--resume")
     said, errors = child.communicate()
     assert (child.returncode, errors) == (0, "")
-    assert "gives finished parts of charts of a run that was stopped" in said
+    assert "twice/.unfinished holds finished parts of charts of a run that was stopped\n" in said
     assert _same(home / "whole" / "pair.npz", home / "twice" / "pair.npz")
     assert not parts.exists()
 
@@ -126,8 +126,8 @@ def test_ctrl_c_says_how_to_go_on(home: Path) -> None:
     _, errors = child.communicate()
     assert child.returncode == 130
     assert "Traceback" not in errors
-    assert "interrupted; nothing was written; finished parts" in errors
-    assert "stopped/.unfinished, and the same command with --resume goes on" in errors
+    assert "explore: interrupted; nothing was written\n" in errors
+    assert "kept in stopped/.unfinished: the same command with --resume goes on" in errors
     assert list((home / "stopped").iterdir()) == [parts]
     kept = len(list(parts.glob("*.block")))
     assert 2 <= kept < BLOCKS
@@ -240,3 +240,30 @@ def test_without_distributed_it_says_what_to_install(
     arguments = ["--system", str(home / "pair.npz"), "--output", str(tmp_path), "--dask", "tcp://127.0.0.1:9", *CHART]
     assert explore.main(arguments) == 2
     assert "pip install 'floquet-charts[distributed]'" in capsys.readouterr().err
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_a_scheduler_that_is_lost_on_the_way_is_one_sentence_and_keeps_what_is_done(
+    home: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    distributed = pytest.importorskip("distributed")
+    from floquet.checkpoint import BlockStore
+
+    options: dict[str, Any] = {"n_workers": 1, "threads_per_worker": 2, "dashboard_address": None}
+    cluster = distributed.LocalCluster(protocol="tcp://", host="127.0.0.1", processes=False, **options)
+    save = BlockStore.save
+
+    def save_and_close(self: BlockStore, path: Path, block: Any) -> None:
+        save(self, path, block)
+        cluster.close()
+
+    monkeypatch.setattr(BlockStore, "save", save_and_close)
+    common = ["--system", str(home / "pair.npz"), "--output", str(tmp_path), *CHART]
+    assert explore.main([*common, "--dask", cluster.scheduler_address]) == 2
+    errors = capsys.readouterr().err
+    assert "the connection to the scheduler was lost" in errors
+    assert ".unfinished: the same command with --resume goes on" in errors
+    assert 1 <= len(list((tmp_path / ".unfinished").glob("*.block"))) < BLOCKS
+    monkeypatch.undo()
+    assert explore.main([*common, "--resume"]) == 0
+    assert _same(home / "whole" / "pair.npz", tmp_path / "pair.npz")
