@@ -173,7 +173,7 @@ def test_wrong_systems_are_one_sentence_and_write_nothing(
     monkeypatch.chdir(tmp_path)
     save_system("one.npz", mathieu())
     save_system("trap.npz", mathieu(-0.3))
-    save_system("growing.npz", mathieu(damping=-0.1))
+    np.savez("growing.npz", M=[[1.0]], C=[[-0.1]], K=[[1.0]], F1c=[[1.0]])
     np.savez("bare.npz", M=[[1.0]], K=[[1.0]])
     assert main([*arguments, "--no-progress"]) == 2
     error = capsys.readouterr().err
