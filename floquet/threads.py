@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from threading import Lock
 from typing import Any
 
@@ -23,7 +24,7 @@ def single_blas_thread() -> Iterator[None]:
     with _lock:
         if not _users:
             _free_control()
-            _limits.append(threadpoolctl.threadpool_limits(limits=1, user_api="blas"))
+            _limits.append(_controller().limit(limits=1, user_api="blas"))
         _users.append(None)
     try:
         yield
@@ -34,6 +35,12 @@ def single_blas_thread() -> Iterator[None]:
                 _free_control()
                 _limits.pop().restore_original_limits()
                 _free_control()
+
+
+@cache
+def _controller() -> threadpoolctl.ThreadpoolController:
+    """Return the BLAS libraries of this process; looking for them takes as long as a column of a chart."""
+    return threadpoolctl.ThreadpoolController()
 
 
 def _free_control() -> None:
