@@ -17,7 +17,7 @@ from tqdm import tqdm
 
 from floquet import StabilityChart, stability_chart, trace_regions
 from floquet.checkpoint import BlockStore
-from floquet.parallel import gather, spread
+from floquet.parallel import WAVE, gather, spread
 from floquet.threads import single_blas_thread
 from periodic.examples import coupled_mathieu
 
@@ -111,15 +111,29 @@ def test_the_last_of_several_threads_lifts_the_limit() -> None:
         assert _blas_threads() == 2
 
 
-@pytest.mark.parametrize("backend", ["threading", "loky", "multiprocessing"])
-def test_arguments_are_read_a_few_calls_ahead(backend: str) -> None:
+def test_arguments_are_read_as_the_work_goes_on() -> None:
     read: list[int] = []
-    arguments = ((read.append(x) or x,) for x in range(1000))  # type: ignore[func-returns-value]
-    with joblib.parallel_config(backend=backend):
+    done: list[int] = []
+    ahead: list[int] = []
+
+    def call(x: int) -> None:
+        ahead.append(len(read) - len(done))
+        done.append(x)
+
+    arguments = ((read.append(x) or x,) for x in range(500))  # type: ignore[func-returns-value]
+    assert len(dict(spread(call, arguments, 2))) == 500
+    # two calls a worker are handed out in advance, and joblib reads as many as there are workers at a time
+    assert max(ahead) <= 8
+
+
+def test_multiprocessing_reads_a_wave_at_a_time() -> None:
+    read: list[int] = []
+    arguments = ((read.append(x) or x,) for x in range(100))  # type: ignore[func-returns-value]
+    with joblib.parallel_config(backend="multiprocessing"):
         results = spread(_square, arguments, 2)
         next(results)
-        assert len(read) <= 100  # three waves, and what finishes meanwhile
-        assert len(dict(results)) == 999
+        assert len(read) == 2 * WAVE
+        assert len(dict(results)) == 99
 
 
 @pytest.fixture(scope="module")
