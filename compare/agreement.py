@@ -8,16 +8,15 @@ O(eps^(m+1)): the fitted order says whether it does.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-from joblib import Parallel, delayed
 from numpy.typing import ArrayLike
 from tqdm import tqdm
 
 from floquet import BoundaryTrace, Kind, trace_boundary
+from floquet.parallel import gather
 from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import FloatArray, grid, interval, one_of, whole_number, workers
 from perturb import TransitionCurve, transition_curves
@@ -28,6 +27,8 @@ DEFAULT_LADDER = (0.0125, 0.025, 0.05, 0.1)
 # How far the fitted order may fall short of the expected one: what the next term of the expansion leaves on rungs
 # that have not quite reached the limit.
 ORDER_TOLERANCE = 0.15
+# Part of a gap, over eps^order, that may be left at eps = 0: what the polynomial through the rungs is off by.
+REMAINDER = 0.02
 # Edges closer than this part of the frequency are one edge: ten times what tracing resolves.
 RESOLUTION = 1e-8
 
@@ -111,7 +112,7 @@ def agreement(
     modes : int, optional
         Judge only resonances among the lowest ``modes`` modes; all if left out.
     n_jobs : int or None
-        Regions traced at once (threads), as in joblib; -1 for all cores.
+        Regions traced at once, as in `floquet.stability_chart`.
     progress : bool
         Show a progress bar.
 
@@ -137,10 +138,9 @@ def agreement(
     rungs = [_DampingScaled(family, value / ladder[-1]) for value in ladder]
     predictions = [_select(transition_curves(rung, window, order=order, kinds=kinds), modes) for rung in rungs]
     regions = sorted(predictions[-1], key=lambda key: predictions[-1][key].centre)
-    judge = delayed(_judge)
-    tasks = (judge(rungs, [curves[key] for curves in predictions], ladder, order) for key in regions)
-    results: Iterable[RegionAgreement] = Parallel(n_jobs=n_jobs, prefer="threads", return_as="generator")(tasks)
-    return list(tqdm(results, desc="boundaries", total=len(regions), unit="region", disable=not progress))
+    tasks = [(rungs, [curves[key] for curves in predictions], ladder, order) for key in regions]
+    with tqdm(desc="boundaries", total=len(tasks), unit="region", disable=not progress) as bar:
+        return gather(_judge, tasks, n_jobs, bar)
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,7 +187,7 @@ def _judge(rungs: list[_DampingScaled], curves: list[TransitionCurve], eps: Floa
         where = ", ".join(f"{value:g}" for value in eps[undecided])
         agrees, reason = False, f"integration cannot tell this region from others at eps = {where}"
     else:
-        agrees, reason = _verdict(eps, analytic, traced, gap, fitted, order, RESOLUTION * last.centre)
+        agrees, reason = _verdict(eps, analytic, traced, fitted, order, RESOLUTION * last.centre)
     return RegionAgreement(
         label=last.label,
         kind=last.kind,
@@ -221,15 +221,30 @@ def fitted_order(eps: FloatArray, gap: FloatArray) -> float:
     return float(local[0] - (local[1] - local[0]) * middle[0] / (middle[1] - middle[0]))
 
 
+def vanishes(eps: FloatArray, difference: FloatArray, order: int, resolution: float) -> bool:
+    """Return whether a signed difference of edges has no part of order ``order``, or lower, in eps.
+
+    A gap whose leading part happens to be small changes sign between rungs, and then has no local order. Divided by
+    eps^order it still has to go to zero: the polynomial through all rungs says where it goes.
+    """
+    quotient = difference / eps**order
+    if not np.isfinite(quotient).all():
+        return False
+    others = [np.delete(eps, k) for k in range(eps.size)]
+    weights = np.array([np.prod(rest / (rest - e)) for e, rest in zip(eps, others, strict=True)])  # Lagrange's, at 0
+    allowed = REMAINDER * np.abs(quotient).max() + resolution * np.abs(weights / eps**order).sum()
+    return bool(abs(weights @ quotient) <= allowed)
+
+
 def _verdict(
     eps: FloatArray,
     analytic: FloatArray,
     traced: FloatArray,
-    gap: FloatArray,
     fitted: FloatArray,
     order: int,
     resolution: float,
 ) -> tuple[bool, str]:
+    gap = np.abs(traced - analytic)
     predicted = analytic[1] - analytic[0] > resolution  # NaN (closed) compares false
     found = traced[1] - traced[0] > resolution
     wanted = order + 1
@@ -251,7 +266,11 @@ def _verdict(
     if (at_floor | (fitted >= wanted - ORDER_TOLERANCE)).all():
         orders = " and ".join("at rounding" if flat else f"{m:.2f}" for flat, m in zip(at_floor, fitted, strict=True))
         return True, f"gap of order {orders} in eps (expected {wanted})"
-    return False, f"gap of order {fitted[0]:.2f} and {fitted[1]:.2f} in eps where {wanted} is expected"
+    orders = f"{fitted[0]:.2f} and {fitted[1]:.2f}"
+    vanishing = [vanishes(eps, edge, order, resolution) for edge in traced - analytic]
+    if (at_floor | (fitted >= wanted - ORDER_TOLERANCE) | vanishing).all():
+        return True, f"gap changes sign (order {orders} fitted); nothing of order {order} in eps is left at eps = 0"
+    return False, f"gap of order {orders} in eps where {wanted} is expected"
 
 
 def _stack(traces: list[BoundaryTrace], *names: str) -> FloatArray:

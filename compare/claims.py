@@ -7,8 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from joblib import Parallel, delayed
-from threadpoolctl import threadpool_limits
 from tqdm import tqdm
 
 from compare.claim_inplane import inertia_hardly_matters, inertia_shifts_regions, stress_equals_linear_load
@@ -23,6 +21,7 @@ from compare.claim_regions import (
 from compare.claim_trends import damping_shrinks, longer_plate_shrinks, narrower_load_shrinks
 from compare.evidence import ClaimVerdict, Verdict
 from compare.survey import QUICK_RANGE, ClaimRange
+from floquet.parallel import gather
 
 __all__ = ["CLAIMS", "ClaimRange", "ClaimVerdict", "Verdict", "judge_claims"]
 
@@ -49,7 +48,7 @@ def judge_claims(*, n_jobs: int = -1, progress: bool = False, quick: bool = Fals
     Parameters
     ----------
     n_jobs : int
-        Claims judged at once (threads), as in joblib; -1 for all cores.
+        Claims judged at once, as in `floquet.stability_chart`.
     progress : bool
         Show a progress bar.
     quick : bool
@@ -61,7 +60,10 @@ def judge_claims(*, n_jobs: int = -1, progress: bool = False, quick: bool = Fals
         In the order of the paper.
     """
     study = QUICK_RANGE if quick else ClaimRange()
-    tasks = (delayed(claim)(study) for claim in CLAIMS)
-    with threadpool_limits(limits=1, user_api="blas"):  # the matrices are small: threads of BLAS would only fight
-        verdicts = Parallel(n_jobs=n_jobs, prefer="threads", return_as="generator")(tasks)
-        return list(tqdm(verdicts, desc="claims", total=len(CLAIMS), unit="claim", disable=not progress))
+    tasks = [(claim, study) for claim in CLAIMS]
+    with tqdm(desc="claims", total=len(tasks), unit="claim", disable=not progress) as bar:
+        return gather(_judged, tasks, n_jobs, bar)
+
+
+def _judged(claim: Callable[[ClaimRange], ClaimVerdict], study: ClaimRange) -> ClaimVerdict:
+    return claim(study)

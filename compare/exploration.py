@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from dataclasses import dataclass
 from math import floor, log10
 from pathlib import Path
@@ -13,6 +14,7 @@ import numpy as np
 from compare.outlines import draw_outlines
 from compare.overlay import overlay
 from floquet import Region, StabilityChart, stability_chart, trace_regions
+from floquet.checkpoint import BlockStore
 from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import FloatArray, interval, one_of, real_number, whole_number
 from perturb import TransitionCurve, transition_curves
@@ -115,6 +117,7 @@ def explore(
     title: str = "",
     n_jobs: int = -1,
     progress: bool = False,
+    cache: str | os.PathLike[str] | BlockStore | None = None,
 ) -> Exploration:
     """Integrate a window, trace its regions and lay the analytic curves over them.
 
@@ -138,6 +141,8 @@ def explore(
         Workers, as in joblib.
     progress : bool
         Show a progress bar.
+    cache : path or BlockStore, optional
+        Folder that keeps finished parts of the chart, as in `floquet.stability_chart`.
 
     Raises
     ------
@@ -150,9 +155,8 @@ def explore(
     columns, rows = (whole_number("points", number, least=2, most=MOST_POINTS) for number in points)
     one_of("order", order, (1, 2))
     curves, remark = analytic_curves(family, window, eps_max, order)
-    chart = stability_chart(
-        family, np.linspace(*window, columns), np.linspace(0, eps_max, rows), n_jobs=n_jobs, progress=progress
-    )
+    Omega, eps = np.linspace(*window, columns), np.linspace(0, eps_max, rows)
+    chart = stability_chart(family, Omega, eps, n_jobs=n_jobs, progress=progress, cache=cache)
     bounds = window, (0.0, eps_max)
     regions = trace_regions(family, *bounds, n_jobs=n_jobs, progress=progress) if trace else []
     return Exploration(title, chart, curves, regions, order, remark)
@@ -207,7 +211,8 @@ def _default_eps(system: PeriodicSystem, scale: FloatArray, stiffness: FloatArra
     size = np.abs(values)
     if not size.any():
         return 1.0
-    soft = scale.T @ vectors / np.sqrt(np.maximum(size, RIGID * size.max()))
+    least = size[size > RIGID**2 * size.max()].min()  # a fine mesh spans many decades; what is below is rigid
+    soft = scale.T @ vectors / np.sqrt(np.maximum(size, least))
     change = max(float(np.linalg.norm(soft.T @ F @ soft, 2)) for F in (*system.cosine, *system.sine))
     wanted = STIFFNESS_CHANGE if values[0] > 0 else OVERCOMING
     return _rounded(wanted / change) if change > 0 else 1.0

@@ -28,6 +28,8 @@ GROWTH_MAP = "Blues"
 CHARACTER_POINTS, LABEL_GAP_POINTS = 5.6, 8.0
 # Where variants lie on top of each other, each stays visible beside the narrower line of the next.
 LINE_WIDTH, WIDER = 1.4, 1.0
+# Inches that the legend of a picture with a single panel needs.
+LEGEND_WIDTH = 4.8
 
 STYLE: dict[Any, Any] = {
     "font.size": 9,
@@ -128,19 +130,19 @@ def region_panels(layers: Sequence[Layer], *, title: str = "") -> Figure:
     -------
     matplotlib.figure.Figure
     """
-    pairs = list(dict.fromkeys(frozenset((curve.p, curve.q)) for layer in layers for curve, _ in layer.panels))
-    columns = min(3, len(pairs))
-    rows = -(-len(pairs) // columns)
+    regions = list(dict.fromkeys(_region(curve) for layer in layers for curve, _ in layer.panels))
+    columns = min(3, len(regions))
+    rows = -(-len(regions) // columns)
     with mpl.rc_context(STYLE):
-        figure = new_figure((3.2 * columns, 2.6 * rows + 0.9))
-        for index, (pair, axes) in enumerate(
-            zip(pairs, figure.subplots(rows, columns, squeeze=False).flat, strict=False)
+        figure = new_figure((max(3.2 * columns, LEGEND_WIDTH), 2.6 * rows + 0.9))
+        for index, (region, axes) in enumerate(
+            zip(regions, figure.subplots(rows, columns, squeeze=False).flat, strict=False)
         ):
             shown = [
                 (curve, trace, VARIANT_COLOURS[order], LINE_WIDTH + WIDER * (len(layers) - 1 - order))
                 for order, layer in enumerate(layers)
                 for curve, trace in layer.panels
-                if frozenset((curve.p, curve.q)) == pair
+                if _region(curve) == region
             ]
             alone = len(layers) == 1
             for curve, trace, colour, width in shown:
@@ -156,6 +158,11 @@ def region_panels(layers: Sequence[Layer], *, title: str = "") -> Figure:
         else:
             figure.legend(handles=_variant_handles(layers), loc="outside lower center", ncols=len(layers))
     return figure
+
+
+def _region(curve: TransitionCurve) -> tuple[frozenset[int], int, str]:
+    """Return what tells one region of a system from another."""
+    return frozenset((curve.p, curve.q)), curve.j, curve.kind
 
 
 def variant_panels(layers: Sequence[Layer], *, title: str = "") -> Figure:

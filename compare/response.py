@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from joblib import Parallel, delayed
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from tqdm import tqdm
 
 from floquet import Kind, StabilityChart, monodromy
+from floquet.parallel import gather
 from periodic import SystemFamily
 from periodic.checks import FloatArray
 
@@ -118,12 +118,9 @@ def responses(
     integrated are left out.
     """
     rows, columns = clickable_points(chart.growth_rate, *CLICKABLE)
-    tasks = (
-        delayed(_try)(family, float(chart.Omega[m]), float(chart.eps[k])) for k, m in zip(rows, columns, strict=True)
-    )
-    found = Parallel(n_jobs=n_jobs, prefer="threads", return_as="generator")(tasks)
-    bar = tqdm(found, desc="points to click", total=rows.size, unit="point", disable=not progress)
-    return [result for result in bar if result is not None]
+    tasks = [(family, float(chart.Omega[m]), float(chart.eps[k])) for k, m in zip(rows, columns, strict=True)]
+    with tqdm(desc="points to click", total=len(tasks), unit="point", disable=not progress) as bar:
+        return [result for result in gather(_try, tasks, n_jobs, bar) if result is not None]
 
 
 def _try(family: SystemFamily, Omega: float, eps: float) -> Response | None:

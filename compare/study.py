@@ -1,19 +1,22 @@
-"""One case from plate to picture: charts, curves, traced boundaries and verdicts of every variant."""
+"""From a case, or from anybody's system, to pictures: charts, curves, traced boundaries and verdicts."""
 
 from __future__ import annotations
 
+import os
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
-from joblib import Parallel, delayed
-from threadpoolctl import threadpool_limits
 from tqdm import tqdm
 
 from compare.agreement import DEFAULT_LADDER, RegionAgreement, agreement
 from compare.cases import Case
 from compare.overlay import Figure, Layer, overlay, region_panels, variant_panels
 from floquet import BoundaryTrace, StabilityChart, stability_chart, trace_boundary
+from floquet.checkpoint import BlockStore
+from floquet.parallel import gather
+from floquet.threads import single_blas_thread
 from periodic import SystemFamily
 from periodic.checks import FloatArray
 from perturb import TransitionCurve, transition_curves
@@ -22,9 +25,71 @@ from perturb import TransitionCurve, transition_curves
 TRACE_POINTS = 12
 # Regions that start beyond the window by this part may reach into it.
 MARGIN = 0.1
+# As many panels as fit on a page.
+MOST_PANELS = 6
 # --quick: enough to see that the line runs from plate to picture.
 QUICK_POINTS = (96, 48)
 QUICK_TRACE_POINTS = 5
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """What a study looks at.
+
+    Attributes
+    ----------
+    name, title : str
+        What its files are called, and its heading.
+    systems : dict of str to SystemFamily
+        Each system under its label; one alone has the label "".
+    window, eps : (float, float), float
+        Window of excitation frequencies and largest amplitude of the charts.
+    points : (int, int)
+        Columns and rows of the charts.
+    modes : int
+        Regions between so many lowest modes are judged.
+    pairs : list of (int, int), optional
+        Modes whose first regions are looked at closely, in this order; the widest ones if left out.
+    ladder : tuple of float
+        Amplitudes at which theory and integration are held against each other.
+    compare : {"within", "beside"}
+        Whether pictures show the systems in one panel for each region, or in a panel each.
+    remark : str
+        What the reader has to know besides.
+    """
+
+    name: str
+    title: str
+    systems: Mapping[str, SystemFamily]
+    window: tuple[float, float]
+    eps: float
+    points: tuple[int, int]
+    modes: int
+    pairs: Sequence[tuple[int, int]] | None = None
+    ladder: tuple[float, ...] = DEFAULT_LADDER
+    compare: Literal["within", "beside"] = "within"
+    remark: str = ""
+
+    @classmethod
+    def of_case(cls, case: Case) -> Subject:
+        """Return what a case file asks for."""
+        chart, modes = case.chart, max(max(pair) for pair in case.regions)
+        systems, pairs = case.systems(), case.regions
+        return cls(
+            case.name, case.title, systems, chart.Omega, chart.eps, chart.points, modes, pairs, compare=case.compare
+        )
+
+    def selected(self, curves: Sequence[TransitionCurve]) -> list[TransitionCurve]:
+        """Return the regions that are looked at closely."""
+        if self.pairs is None:
+            low, high = self.window
+            inside = [c for c in curves if low < c.centre < high and max(c.p, c.q) <= self.modes]
+            widths = {curve: float(np.subtract(*reversed(curve.edges(self.eps)))) for curve in inside}
+            widest = sorted((curve for curve in inside if widths[curve] > 0), key=lambda curve: -widths[curve])
+            return sorted(widest[:MOST_PANELS], key=lambda curve: curve.centre)
+        wanted = [{*pair} for pair in self.pairs]
+        shown = [curve for curve in curves if curve.kind == "sum" and curve.j == 1 and {curve.p, curve.q} in wanted]
+        return sorted(shown, key=lambda curve: wanted.index({curve.p, curve.q}))
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,9 +134,9 @@ class VariantStudy:
 
 @dataclass(frozen=True, eq=False)
 class CaseStudy:
-    """A case and what was computed for its variants."""
+    """A subject and what was computed for its variants."""
 
-    case: Case
+    case: Subject
     variants: list[VariantStudy]
 
     @property
@@ -89,6 +154,7 @@ class CaseStudy:
         return {
             "case": self.case.name,
             "title": self.case.title,
+            "remark": self.case.remark,
             "agrees": self.agrees,
             "variants": [
                 {
@@ -104,7 +170,8 @@ class CaseStudy:
         """Return the case's pictures by name."""
         layers = [Layer(variant.label, variant.chart, variant.panels) for variant in self.variants]
         draw = region_panels if self.case.compare == "within" else variant_panels
-        pictures = {"regions": draw(layers, title=self.case.title)}
+        looked_at = any(variant.panels for variant in self.variants)
+        pictures = {"regions": draw(layers, title=self.case.title)} if looked_at else {}
         for variant, name in zip(self.variants, self.chart_names, strict=True):
             title = "\n".join(filter(None, (self.case.title, variant.label)))
             traces = [trace for _, trace in variant.panels]
@@ -112,19 +179,28 @@ class CaseStudy:
         return pictures
 
 
-def run_case(case: Case, *, n_jobs: int = -1, quick: bool = False, progress: bool = False) -> CaseStudy:
+def run_case(
+    case: Case | Subject,
+    *,
+    n_jobs: int = -1,
+    quick: bool = False,
+    progress: bool = False,
+    cache: str | os.PathLike[str] | BlockStore | None = None,
+) -> CaseStudy:
     """Compute a case.
 
     Parameters
     ----------
-    case : Case
-        From `compare.cases.load_case`.
+    case : Case or Subject
+        From `compare.cases.load_case` or `compare.own_system.system_subject`.
     n_jobs : int
         Workers, as in joblib; -1 for all cores.
     quick : bool
         Coarser charts and fewer points on the traced boundaries; the verdicts are the same.
     progress : bool
         Show progress bars.
+    cache : path or BlockStore, optional
+        Folder that keeps finished parts of the charts, as in `floquet.stability_chart`.
 
     Returns
     -------
@@ -135,43 +211,42 @@ def run_case(case: Case, *, n_jobs: int = -1, quick: bool = False, progress: boo
     ValueError
         If a system of the case cannot be analysed, for instance above its divergence speed.
     """
-    with threadpool_limits(limits=1, user_api="blas"):  # the matrices are small: threads of BLAS would only fight
+    subject = Subject.of_case(case) if isinstance(case, Case) else case
+    with single_blas_thread():  # the matrices are small: threads of BLAS would only fight
         variants = [
-            _run_variant(case, label, plate, n_jobs, quick, progress) for label, plate in case.systems().items()
+            _run_variant(subject, label, family, n_jobs, quick, progress, cache)
+            for label, family in subject.systems.items()
         ]
-    return CaseStudy(case, variants)
+    return CaseStudy(subject, variants)
 
 
 def _run_variant(
-    case: Case, label: str, family: SystemFamily, n_jobs: int, quick: bool, progress: bool
+    subject: Subject,
+    label: str,
+    family: SystemFamily,
+    n_jobs: int,
+    quick: bool,
+    progress: bool,
+    cache: str | os.PathLike[str] | BlockStore | None,
 ) -> VariantStudy:
-    window, eps_max = case.chart.Omega, case.chart.eps
-    columns, rows = QUICK_POINTS if quick else case.chart.points
+    window, eps_max = subject.window, subject.eps
+    columns, rows = QUICK_POINTS if quick else subject.points
     chart = stability_chart(
         family,
         np.linspace(*window, columns),
         np.linspace(0, eps_max, rows),
         n_jobs=n_jobs,
         progress=progress,
+        cache=cache,
     )
     curves = transition_curves(family, ((1 - MARGIN) * window[0], (1 + MARGIN) * window[1]))
-    verdicts = agreement(
-        family,
-        window,
-        DEFAULT_LADDER,
-        modes=max(max(pair) for pair in case.regions),
-        n_jobs=n_jobs,
-        progress=progress,
-    )
-    wanted = [{*pair} for pair in case.regions]
-    shown = [curve for curve in curves if curve.kind == "sum" and curve.j == 1 and {curve.p, curve.q} in wanted]
-    shown.sort(key=lambda curve: wanted.index({curve.p, curve.q}))
+    verdicts = agreement(family, window, subject.ladder, modes=subject.modes, n_jobs=n_jobs, progress=progress)
+    shown = subject.selected(curves)
     points = QUICK_TRACE_POINTS if quick else TRACE_POINTS
-    trace = delayed(trace_boundary)
-    tasks = (trace(family, curve.centre, _ladder(curve, eps_max, points)) for curve in shown)
-    traced = Parallel(n_jobs=n_jobs, prefer="threads", return_as="generator")(tasks)
-    panels = zip(shown, tqdm(traced, desc="traces", total=len(shown), unit="region", disable=not progress), strict=True)
-    return VariantStudy(label, chart, curves, list(panels), verdicts)
+    tasks = [(family, curve.centre, _ladder(curve, eps_max, points)) for curve in shown]
+    with tqdm(desc="traces", total=len(tasks), unit="region", disable=not progress) as bar:
+        traces = gather(trace_boundary, tasks, n_jobs, bar)
+    return VariantStudy(label, chart, curves, list(zip(shown, traces, strict=True)), verdicts)
 
 
 def _ladder(curve: TransitionCurve, eps_max: float, points: int) -> FloatArray:

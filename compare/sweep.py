@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from joblib import Parallel, delayed
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 from tqdm import tqdm
@@ -16,6 +15,7 @@ from tqdm import tqdm
 from compare.cases import Plate
 from compare.variation import SWEEPABLE, varied
 from floquet import Kind, monodromy, trace_boundary
+from floquet.parallel import gather
 from periodic.checks import FloatArray, grid, one_of, real_number
 from perturb import TransitionCurve, gyroscopic_modes, transition_curves
 from plate import MovingPlate
@@ -164,12 +164,9 @@ def sweep(
     bar = tqdm(plates.values(), desc="theory", unit="value", disable=not progress)
     theory = [_curves(family, pairs, order) for family in bar]
     traced = np.unique(np.linspace(0, kept.size - 1, TRACED_VALUES).round().astype(int))
-    found = Parallel(n_jobs=n_jobs, prefer="threads", return_as="generator")(
-        delayed(_trace)(plates[kept[i]], curve, eps) for i in traced for curve in theory[i]
-    )
-    total = traced.size * len(pairs)
-    points = np.array([*tqdm(found, desc="boundaries", total=total, unit="region", disable=not progress)])
-    points = points.reshape(traced.size, len(pairs), 3)
+    tasks = [(plates[kept[i]], curve, eps) for i in traced for curve in theory[i]]
+    with tqdm(desc="boundaries", total=len(tasks), unit="region", disable=not progress) as steps:
+        points = np.array(gather(_trace, tasks, n_jobs, steps)).reshape(traced.size, len(pairs), 3)
     rows = [_row([curves[k] for curves in theory], eps, points[:, k]) for k in range(len(pairs))]
     return Sweep(name, eps, kept, kept[traced], rows, left_out)
 

@@ -5,13 +5,12 @@ from __future__ import annotations
 import io
 import os
 import zipfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from joblib import Parallel, delayed
 from numpy.typing import ArrayLike, NDArray
 from tqdm import tqdm
 
@@ -21,7 +20,8 @@ from floquet.column import Columns, chart_block, steps_needed
 from floquet.files import replace_file
 from floquet.monodromy import member_at
 from floquet.multipliers import Kind
-from periodic import PeriodicSystem, SystemFamily
+from floquet.parallel import spread
+from periodic import SystemFamily
 from periodic.checks import FloatArray, grid, one_of, whole_number, workers
 
 # Enough columns to hide joblib's overhead, few enough to balance the load.
@@ -139,7 +139,7 @@ def stability_chart(
     n_jobs: int | None = -1,
     progress: bool | None = None,
     audit: int = 16,
-    cache: str | os.PathLike[str] | None = None,
+    cache: str | os.PathLike[str] | BlockStore | None = None,
 ) -> StabilityChart:
     """Integrate the periodic system at every point of a grid and return its stability chart.
 
@@ -160,10 +160,10 @@ def stability_chart(
     audit : int
         How many cells, drawn at random (always the same ones), to integrate again with `monodromy` for comparison,
         besides the one with the largest error; 0 for none.
-    cache : path, optional
+    cache : path or BlockStore, optional
         A folder that keeps finished blocks of columns. A chart that was stopped, in whatever way, goes on where it was
         when the same call names the same folder, and ends with the same bits; several processes may share a folder.
-        Nobody else clears it.
+        Nobody else clears it; `floquet.checkpoint.BlockStore` can.
 
     Returns
     -------
@@ -178,65 +178,67 @@ def stability_chart(
     Notes
     -----
     docs/engine.md explains the method. A worker needs about 0.2 GB at most besides its results, most charts a hundredth
-    of that.
+    of that; the chart itself 33 bytes a cell. docs/scale.md says what large charts cost.
     """
     Omega, eps = grid("Omega", Omega, positive=True), grid("eps", eps)
     member_at(family, float(Omega[0]), "family")
     n_jobs = workers("n_jobs", n_jobs)
     progress = one_of("progress", progress, (True, False, None))
     audit = whole_number("audit", audit, least=0)
-    store = None if cache is None else BlockStore(cache)
+    store = cache if cache is None or isinstance(cache, BlockStore) else BlockStore(cache)
 
     few = Omega[np.unique([0, Omega.size // 2, Omega.size - 1])]
     steps = steps_needed([family.at(float(w)) for w in few], few, eps)
 
-    def blocks() -> Iterator[Any]:
-        for start in range(0, Omega.size, COLUMNS_A_TASK):
-            columns = slice(start, min(start + COLUMNS_A_TASK, Omega.size))
-            systems = [family.at(float(w)) for w in Omega[columns]]
-            yield delayed(_labelled)(columns, _kept_block, store, systems, Omega[columns], eps, steps)
+    def inputs(columns: slice) -> tuple[Any, ...]:
+        return [family.at(float(w)) for w in Omega[columns]], Omega[columns], eps, steps
 
-    parallel = Parallel(n_jobs=n_jobs, prefer="threads", batch_size=1, return_as="generator_unordered")
+    starts = range(0, Omega.size, COLUMNS_A_TASK)
+    slices = [slice(start, min(start + COLUMNS_A_TASK, Omega.size)) for start in starts]
     shape = (eps.size, Omega.size)
     cells = Columns(np.empty(shape), np.empty(shape, np.complex128), np.empty(shape, np.int8), np.empty(shape))
     with tqdm(total=Omega.size, unit="column", disable=None if progress is None else not progress) as bar:
-        for columns, block in parallel(blocks()):
+        for columns, block in _blocks(slices, inputs, store, n_jobs):
             for name in Columns._fields:
                 getattr(cells, name)[:, columns] = getattr(block, name)
             bar.update(columns.stop - columns.start)
     chart = StabilityChart(Omega, eps, *cells)
-    return chart if audit == 0 else replace(chart, audit=_audited(family, chart, audit, parallel))
+    return chart if audit == 0 else replace(chart, audit=_audited(family, chart, audit, n_jobs))
 
 
-def _kept_block(
-    store: BlockStore | None, systems: Sequence[PeriodicSystem], Omega: FloatArray, eps: FloatArray, steps: float
-) -> Columns:
-    """Return a block of columns, from ``store`` if it is there; keep it there otherwise."""
-    if store is None:
-        return chart_block(systems, Omega, eps, steps)
-    path = store.path(systems, Omega, eps, steps)
-    block = store.load(path)
-    if block is None:
-        block = chart_block(systems, Omega, eps, steps)
-        store.save(path, block)
-    return block
+def _blocks(
+    slices: Sequence[slice], inputs: Callable[[slice], tuple[Any, ...]], store: BlockStore | None, n_jobs: int | None
+) -> Iterator[tuple[slice, Columns]]:
+    """Yield each block of columns, first those in ``store``, then the others as they are computed, and keep these.
+
+    The store is read and written here, by one process: workers on other machines need not see the folder.
+    """
+    missing, paths = [], {}
+    for columns in slices:
+        block = None
+        if store is not None:
+            paths[columns.start] = store.path(*inputs(columns))
+            block = store.load(paths[columns.start])
+        if block is None:
+            missing.append(columns)
+        else:
+            yield columns, block
+    for i, block in spread(chart_block, map(inputs, missing), n_jobs):
+        if store is not None:
+            store.save(paths[missing[i].start], block)
+        yield missing[i], block
 
 
-def _audited(family: SystemFamily, chart: StabilityChart, size: int, parallel: Parallel) -> ChartAudit:
+def _audited(family: SystemFamily, chart: StabilityChart, size: int, n_jobs: int | None) -> ChartAudit:
     cells = sample(chart.error, size)
     points = [(float(chart.Omega[j]), float(chart.eps[i])) for i, j in cells]
-    tasks = (delayed(_labelled)(a, integrate_again, family.at(w), w, e) for a, (w, e) in enumerate(points))
-    again = np.array([found for _, found in sorted(parallel(tasks))])
+    tasks = ((family.at(w), w, e) for w, e in points)
+    again = np.array([found for _, found in sorted(spread(integrate_again, tasks, n_jobs))])
     i, j = cells.T
     log_modulus = chart.growth_rate[i, j] * 2 * np.pi / chart.Omega[j]
     kinds, others = chart.kind[i, j], again[:, 2]
     contradictions = (kinds >= 0) & (others >= 0) & ((kinds > Kind.STABLE) != (others > Kind.STABLE))
     return ChartAudit(cells, np.abs(log_modulus - again[:, 0]), chart.error[i, j] + again[:, 1], contradictions)
-
-
-def _labelled(label: Any, function: Any, *arguments: Any) -> tuple[Any, Any]:
-    """Return ``label`` and what the function returns: results arrive in any order."""
-    return label, function(*arguments)
 
 
 def _path(path: Any) -> Path:

@@ -8,14 +8,13 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from joblib import Parallel, delayed
 
 from floquet.column import SAFETY, least_frequency, log2_steps, multipliers, steps_needed
 from floquet.coordinates import blocks, equations
 from floquet.multipliers import Kind
 from floquet.outline import Column, Interval, links
+from floquet.parallel import spread
 from floquet.sampling import Sampler, Workspace
-from floquet.threads import single_blas_thread
 from floquet.verdict import Cells, combine, dominant, dominant_symplectic, judge
 from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import FloatArray
@@ -37,18 +36,16 @@ class Scan:
         self.family, self.eps = family, eps
         few = np.array([Omega_range[0], sum(Omega_range) / 2, Omega_range[1]])
         self.steps = steps_needed([family.at(float(w)) for w in few], few, eps)
-        self.parallel = Parallel(n_jobs=n_jobs, prefer="threads", batch_size=1)
+        self.n_jobs = n_jobs
         self.columns: dict[float, Column] = {}
 
     def add(self, Omega: Iterable[float]) -> int:
         """Compute the columns at ``Omega`` that are new; return how many."""
         new = sorted({float(w) for w in Omega} - self.columns.keys())
         batches = [new[i : i + COLUMNS_A_TASK] for i in range(0, len(new), COLUMNS_A_TASK)]
-        tasks = (
-            delayed(_intervals)([self.family.at(w) for w in batch], batch, self.eps, self.steps) for batch in batches
-        )
-        for batch, found in zip(batches, self.parallel(tasks), strict=True):
-            self.columns.update(zip(batch, found, strict=True))
+        tasks = (([self.family.at(w) for w in batch], batch, self.eps, self.steps) for batch in batches)
+        for i, found in spread(_intervals, tasks, self.n_jobs):
+            self.columns.update(zip(batches[i], found, strict=True))
         return len(new)
 
     def ordered(self) -> tuple[FloatArray, list[Column]]:
@@ -141,10 +138,9 @@ def _intervals(
 ) -> list[Column]:
     """Return the unstable intervals of some columns."""
     work, found = Workspace(), []
-    with single_blas_thread():
-        for system, frequency in zip(systems, Omega, strict=True):
-            cells = _cells(system, frequency, eps, steps, work)
-            found.append(intervals(eps, cells.log_modulus, cells.kind))
+    for system, frequency in zip(systems, Omega, strict=True):
+        cells = _cells(system, frequency, eps, steps, work)
+        found.append(intervals(eps, cells.log_modulus, cells.kind))
     return found
 
 

@@ -8,7 +8,7 @@ from functools import cache
 from threading import Lock
 from typing import Any
 
-from threadpoolctl import ThreadpoolController
+import threadpoolctl
 
 _lock = Lock()
 _users: list[None] = []
@@ -23,6 +23,7 @@ def single_blas_thread() -> Iterator[None]:
     """
     with _lock:
         if not _users:
+            _free_control()
             _limits.append(_controller().limit(limits=1, user_api="blas"))
         _users.append(None)
     try:
@@ -31,10 +32,22 @@ def single_blas_thread() -> Iterator[None]:
         with _lock:
             _users.pop()
             if not _users:
+                _free_control()
                 _limits.pop().restore_original_limits()
+                _free_control()
 
 
 @cache
-def _controller() -> ThreadpoolController:
+def _controller() -> threadpoolctl.ThreadpoolController:
     """Return the BLAS libraries of this process; looking for them takes as long as a column of a chart."""
-    return ThreadpoolController()
+    return threadpoolctl.ThreadpoolController()
+
+
+def _free_control() -> None:
+    """Let the next thread that asks for it change the number of threads.
+
+    Since 3.8 threadpoolctl leaves that to the thread that did so first, and ignores all others without a word.
+    """
+    clear = getattr(threadpoolctl.OpenBLASController, "clear_controlling_thread", None)
+    if clear is not None:
+        clear(force=True)

@@ -6,6 +6,7 @@ from __future__ import annotations
 import argparse
 import re
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
@@ -15,12 +16,14 @@ import numpy as np
 
 from compare.cases import Plate, load_case
 from compare.exploration import default_window, explore
-from compare.matrices import load_system
+from compare.own_system import own_system
 from compare.publish import staged
 from compare.response import responses
 from compare.sweep import sweep
 from compare.sweep_picture import sweep_picture
 from compare.variation import SWEEPABLE, plate_table
+from floquet.checkpoint import BlockStore
+from floquet_scripts import running
 from periodic import PeriodicSystem, SystemFamily
 
 EPILOG = f"""\
@@ -35,7 +38,8 @@ examples:
 --sweep takes {", ".join(SWEEPABLE)} (of the load).
 Without --Omega and --eps the window is the case's, or for a system the one that shows the main regions of its three
 lowest modes. The exit status is 0 if everything was written and 2 if the input is wrong.
-"""
+
+{running.EPILOG}"""
 STANDARD_NAME, STANDARD_TITLE = "plate", "Standard plate: a/b = 1, ν = 0.3, V = 3, f₀ = 10"
 STANDARD_REGIONS = [(1, 1), (2, 2), (3, 3), (1, 2), (1, 3), (2, 3)]
 SWEEP_EPS, MOST_VALUES = 0.1, 1000
@@ -64,18 +68,17 @@ def main(arguments: list[str] | None = None) -> int:
         subject = _subject(options)
         if options.serve:
             return _serve(subject, options)
-        with staged(options.output) as folder:
-            if options.sweep:
-                _sweep(subject, options, folder)
-            else:
-                _chart(subject, options, folder)
-            names = sorted(path.name for path in folder.iterdir())
     except ValueError as error:
         print(f"explore: {error}", file=sys.stderr)
         return 2
-    except KeyboardInterrupt:
-        print("explore: interrupted; nothing was written", file=sys.stderr)
-        return 130
+    return running.run("explore", options, lambda store: _explore(subject, options, store))
+
+
+def _explore(subject: Subject, options: argparse.Namespace, store: BlockStore) -> int:
+    write = _swept(subject, options) if options.sweep else _charted(subject, options, store)
+    with staged(options.output) as folder:
+        write(folder)
+        names = sorted(path.name for path in folder.iterdir())
     print(f"in {options.output}: {', '.join(names)}")
     return 0
 
@@ -94,6 +97,7 @@ def _parser() -> argparse.ArgumentParser:
         "--eps", type=float, metavar="MAX", help="largest amplitude; with --sweep the one of the widths"
     )
     window.add_argument("--points", type=int, nargs=2, metavar=("COLUMNS", "ROWS"), help="resolution of the chart")
+    window.add_argument("--all-modes", action="store_true", help=running.ALL_MODES)
     window.add_argument("--order", type=int, choices=(1, 2), default=1, help="order of the analytic curves (1)")
     result = parser.add_argument_group("result")
     result.add_argument("--html", action="store_true", help="also one self-contained page (needs bokeh)")
@@ -103,8 +107,7 @@ def _parser() -> argparse.ArgumentParser:
     result.add_argument("--serve", action="store_true", help="instead: the page live, with sliders (needs bokeh)")
     result.add_argument("--port", type=int, default=5006, help="of the live page (5006); 0 takes a free one")
     result.add_argument("--output", type=Path, default=Path("output"), metavar="DIR", help="where to write (output)")
-    parser.add_argument("--jobs", type=int, default=-1, metavar="N", help="workers; -1, the default, for all cores")
-    parser.add_argument("--no-progress", action="store_true", help="no progress bars")
+    running.add_options(parser)
     return parser
 
 
@@ -123,10 +126,10 @@ def _subject(options: argparse.Namespace) -> Subject:
         window, eps, points = case.chart.Omega, case.chart.eps, case.chart.points
         subject = Subject(name, title, table, window, eps, points, case.regions)
     elif options.system:
-        system = load_system(options.system)
-        complete = options.Omega is not None and options.eps is not None
-        window, eps = (options.Omega, options.eps) if complete else default_window(system)
-        subject = Subject(options.system.stem, options.system.name, system, window, eps)
+        own = own_system(options.system, options.Omega, options.eps, all_modes=options.all_modes)
+        if own.remark:
+            print(own.remark)
+        subject = Subject(own.path.stem, own.path.name, own.system, own.window, own.eps)
     else:
         window, eps = default_window(Plate().build().at(0.0))
         subject = Subject(STANDARD_NAME, STANDARD_TITLE, Plate(), window, eps, regions=STANDARD_REGIONS)
@@ -138,8 +141,10 @@ def _subject(options: argparse.Namespace) -> Subject:
     return replace(subject, **{name: value for name, value in given.items() if value is not None})
 
 
-def _chart(subject: Subject, options: argparse.Namespace, folder: Path) -> None:
+def _charted(subject: Subject, options: argparse.Namespace, store: BlockStore) -> Callable[[Path], None]:
+    """Compute and report; return what writes the result into a folder."""
     family, progress = subject.family, not options.no_progress
+    bokeh = _bokeh("--html") if options.html else None
     result = explore(
         family,
         subject.window,
@@ -150,23 +155,32 @@ def _chart(subject: Subject, options: argparse.Namespace, folder: Path) -> None:
         title=subject.title,
         n_jobs=options.jobs,
         progress=progress,
+        cache=store,
     )
     remarks = " ".join(filter(None, (result.audit, result.remark)))
     print(remarks)
     for region in result.regions:
         Omega, eps = region.tip
         print(f"  {region.label or 'unexplained':<24} from Ω = {Omega:.5g}, ε = {eps:.3g}")
-    result.write(folder, subject.name, netcdf=options.netcdf)
-    if options.html:
-        page = _bokeh("--html").Page(subject.title, "Click the chart: the nearest computed point is shown.")
-        page.frame(subject.window, (0.0, subject.eps))
-        page.show(result)
-        page.tell(remarks)
+    page = ""
+    if bokeh is not None:
         points = responses(family, result.chart, n_jobs=options.jobs, progress=progress)
-        (folder / f"{subject.name}.html").write_text(page.html(points), encoding="utf-8")
+        view = bokeh.Page(subject.title, "Click the chart: the nearest computed point is shown.")
+        view.frame(subject.window, (0.0, subject.eps))
+        view.show(result)
+        view.tell(remarks)
+        page = view.html(points)
+
+    def write(folder: Path) -> None:
+        result.write(folder, subject.name, netcdf=options.netcdf)
+        if page:
+            (folder / f"{subject.name}.html").write_text(page, encoding="utf-8")
+
+    return write
 
 
-def _sweep(subject: Subject, options: argparse.Namespace, folder: Path) -> None:
+def _swept(subject: Subject, options: argparse.Namespace) -> Callable[[Path], None]:
+    """Compute and report; return what writes the result into a folder."""
     if not isinstance(subject.source, Plate) or subject.regions is None:
         raise ValueError("--sweep changes a parameter of the plate; leave out --system")
     name, values = _sweep_values(options.sweep)
@@ -183,10 +197,14 @@ def _sweep(subject: Subject, options: argparse.Namespace, folder: Path) -> None:
     if result.remark:
         print(result.remark)
     stem = f"{subject.name}-{name}"
-    result.write(folder, stem)
-    figure = sweep_picture(result, title=subject.title)
-    for suffix in ("png", "pdf"):
-        figure.savefig(folder / f"{stem}.{suffix}")
+
+    def write(folder: Path) -> None:
+        result.write(folder, stem)
+        figure = sweep_picture(result, title=subject.title)
+        for suffix in ("png", "pdf"):
+            figure.savefig(folder / f"{stem}.{suffix}")
+
+    return write
 
 
 def _sweep_values(text: str) -> tuple[str, np.ndarray]:

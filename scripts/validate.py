@@ -8,36 +8,92 @@ import json
 import sys
 from pathlib import Path
 
-from compare.cases import Case, load_case, shipped_cases
+from compare.cases import load_case, shipped_cases
 from compare.claims import ClaimVerdict, judge_claims
+from compare.exploration import MODES_SHOWN
+from compare.own_system import POINTS, own_system, system_subject
 from compare.publish import staged
 from compare.report import write_report
-from compare.study import CaseStudy, run_case
+from compare.study import CaseStudy, Subject, run_case
+from floquet.checkpoint import BlockStore
+from floquet_scripts import running
 
-EPILOG = """\
+EPILOG = f"""\
 examples:
   scripts/validate.py                          every case in cases/ and the paper's claims, written to output/
   scripts/validate.py --case cases/fig2.toml   one case, no claims
+  scripts/validate.py --system mine.npz        your own matrices (docs/matrices.md), in a window that suits them
+  scripts/validate.py --system mine.npz --Omega 1 30 --eps 0.8 --modes 5
   scripts/validate.py --quick --output first   coarse charts, for a first look
 
 A case file names a plate, a window of excitation frequencies and the regions to look at closely; docs/cases.md lists
-its keys. The exit status is 0 if theory and integration agree everywhere, 1 if they do not, 2 if the input is wrong.
+its keys. Of a system the regions between its lowest modes are judged, if you give no window in one that shows their
+main regions. Theory is for small ε: it is held to small ones, where its gap to the integrated boundaries has to shrink
+like ε²; the report says how far it holds beyond.
+
+The exit status is 0 if theory and integration agree everywhere, 1 if they do not, 2 if the input is wrong.
 A claim of the paper that is contradicted, with counter-examples that integration confirms, is no disagreement.
-"""
+
+{running.EPILOG}"""
 
 
 def main(arguments: list[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     try:
-        cases = [load_case(path) for path in options.case or shipped_cases()]
-        studies = [_study(case, options) for case in cases]
-        claims = [] if options.case else _claims(options)
+        subjects = _subjects(options)
     except ValueError as error:
         print(f"validate: {error}", file=sys.stderr)
         return 2
-    except KeyboardInterrupt:
-        print("validate: interrupted; nothing was written", file=sys.stderr)
-        return 130
+    return running.run("validate", options, lambda store: _validate(subjects, options, store))
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        description=__doc__, epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    what = parser.add_argument_group("what to judge (by default every case in cases/, and the claims)")
+    what.add_argument("--case", type=Path, action="append", default=[], metavar="FILE", help="a case file; repeatable")
+    what.add_argument(
+        "--system",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="your matrices: .npz, .mat or a folder of .mtx files; repeatable",
+    )
+    system = parser.add_argument_group("for --system")
+    system.add_argument("--Omega", type=float, nargs=2, metavar=("LOW", "HIGH"), help="excitation frequencies")
+    system.add_argument("--eps", type=float, metavar="MAX", help="largest amplitude of the chart")
+    system.add_argument("--points", type=int, nargs=2, metavar=("COLUMNS", "ROWS"), help="of the chart (256 128)")
+    system.add_argument("--modes", type=int, metavar="N", help="judge the regions between the N lowest modes (3)")
+    system.add_argument("--all-modes", action="store_true", help=running.ALL_MODES)
+    result = parser.add_argument_group("result")
+    result.add_argument("--output", type=Path, default=Path("output"), metavar="DIR", help="where to write (output)")
+    result.add_argument("--quick", action="store_true", help="coarser charts, claims over a smaller range")
+    running.add_options(parser)
+    return parser
+
+
+def _subjects(options: argparse.Namespace) -> list[Subject]:
+    """Return the cases and systems that the options name, all read and checked before the first is computed."""
+    given = [name for name in ("Omega", "eps", "points", "modes") if getattr(options, name) is not None]
+    if given and not options.system:
+        raise ValueError(f"--{given[0]} belongs to a system; add --system, or write it into a case file")
+    subjects = [Subject.of_case(load_case(path)) for path in options.case]
+    for path in options.system:
+        own = own_system(path, options.Omega, options.eps, all_modes=options.all_modes)
+        modes = MODES_SHOWN if options.modes is None else options.modes
+        subjects.append(system_subject(own, points=options.points or POINTS, modes=modes))
+    names = [subject.name for subject in subjects]
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(f"two of the files are called {name!r}, as their pictures would be; rename one")
+    return subjects or [Subject.of_case(load_case(path)) for path in shipped_cases()]
+
+
+def _validate(subjects: list[Subject], options: argparse.Namespace, store: BlockStore) -> int:
+    studies = [_study(subject, options, store) for subject in subjects]
+    claims = [] if options.case or options.system else _claims(options)
     with staged(options.output) as folder:
         write_report(studies, claims, folder)
         data = {"cases": [study.to_dict() for study in studies], "claims": [claim.to_dict() for claim in claims]}
@@ -47,31 +103,15 @@ def main(arguments: list[str] | None = None) -> int:
     return 0 if all(study.agrees for study in studies) and all(claim.is_decided for claim in claims) else 1
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        description=__doc__, epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--case", type=Path, action="append", metavar="FILE", help="a case file; may be repeated")
-    parser.add_argument("--output", type=Path, default=Path("output"), metavar="DIR", help="where to write (output)")
-    parser.add_argument("--jobs", type=_jobs, default=-1, metavar="N", help="workers; -1, the default, for all cores")
-    parser.add_argument("--quick", action="store_true", help="coarser charts, claims over a smaller range")
-    parser.add_argument("--no-progress", action="store_true", help="no progress bars")
-    return parser
-
-
-def _jobs(text: str) -> int:
+def _study(subject: Subject, options: argparse.Namespace, store: BlockStore) -> CaseStudy:
+    progress = not options.no_progress
     try:
-        number = int(text)
-    except ValueError:
-        number = 0
-    if number == 0 or number < -1:
-        raise argparse.ArgumentTypeError(f"{text!r} is no number of workers; give 1, 2, ... or -1 for all cores")
-    return number
-
-
-def _study(case: Case, options: argparse.Namespace) -> CaseStudy:
-    study = run_case(case, n_jobs=options.jobs, quick=options.quick, progress=not options.no_progress)
-    print(f"\n{case.title}")
+        study = run_case(subject, n_jobs=options.jobs, quick=options.quick, progress=progress, cache=store)
+    except ValueError as error:
+        raise ValueError(f"{subject.title}: {error}") from None
+    print(f"\n{subject.title}")
+    if subject.remark:
+        print(f"  {subject.remark}")
     for variant in study.variants:
         if variant.label:
             print(f"  {variant.label}")

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from compare import agreement
-from compare.agreement import fitted_order
+from compare.agreement import DEFAULT_LADDER, fitted_order, vanishes
 from floquet import Kind, trace_boundary
 from periodic import PeriodicSystem
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu
@@ -122,3 +122,19 @@ def test_fitted_order_is_that_of_the_leading_term(order: int) -> None:
 def test_bad_input_is_refused(arguments: dict, wanted: str) -> None:
     with pytest.raises(ValueError, match=wanted):
         agreement(mathieu(), **({"Omega_range": (1.0, 3.0)} | arguments))
+
+
+@pytest.mark.parametrize(
+    ("a", "agrees"),
+    [
+        ((0.0, 0.0, 1e-3, -0.1), True),  # the leading part is small: the gap changes sign on the ladder
+        ((0.0, 0.0, 1.0, 1.0), True),
+        ((0.0, 1e-2, 0.1, 0.0), False),  # a slope that is wrong
+        ((0.0, 1e-4, 1e-3, -0.1), False),
+        ((1e-3, 0.0, 1.0, 0.0), False),  # a centre that is wrong
+        ((0.0, 0.0, 0.0, np.nan), False),
+    ],
+)
+def test_a_signed_gap_has_no_first_order_left(a: tuple[float, ...], agrees: bool) -> None:
+    eps = np.array(DEFAULT_LADDER)
+    assert vanishes(eps, np.polynomial.Polynomial(a)(eps), 1, 1e-12) is agrees

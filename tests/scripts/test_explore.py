@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from finite_elements import column
 
 from compare.matrices import save_system
 from floquet import StabilityChart, stability_chart
@@ -82,6 +83,15 @@ def test_a_system_chooses_its_window_and_may_have_no_theory(run: Run, tmp_path: 
     assert "trap.npz" in _written(tmp_path)
 
 
+def test_a_finite_element_model_is_explored_in_its_lowest_modes(run: Run, tmp_path: Path) -> None:
+    save_system(tmp_path / "column.npz", column(50))
+    status, said, errors = run("--system", "column.npz", "--points", 24, 8)
+    assert (status, errors) == (0, "")
+    assert "lowest of 100 modes" in said
+    assert "within the estimated error" in said
+    assert "2ω₁" in said
+
+
 def test_the_variants_of_a_case(run: Run, tmp_path: Path) -> None:
     status, said, _ = run("--case", "two.toml")
     assert status == 0
@@ -113,7 +123,7 @@ def test_a_sweep(run: Run, tmp_path: Path) -> None:
         (["--system", "pair.npz", "--eps", 0], "eps_max = 0.0"),
         (["--system", "pair.npz", "--points", 1, 1], "points = 1"),
         (["--system", "pair.npz", "--order", 3], "--order"),
-        (["--system", "pair.npz", "--jobs", 0], "n_jobs = 0"),
+        (["--system", "pair.npz", "--jobs", 0], "'0' is no number of workers"),
         (["--system", "pair.npz", "--sweep", "speed=0:1:2"], "--sweep changes a parameter of the plate"),
         (["--sweep", "speed=0:1"], "is not NAME=LOW:HIGH:COUNT"),
         (["--sweep", "speed=0:1:1000000000"], "asks for 1000000000 values; give 2 to 1000"),

@@ -1,0 +1,68 @@
+"""Large models by their lowest modes: the fast ones cost most, and hardly matter to the slow ones."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.linalg as sla
+
+from periodic import PeriodicSystem
+from periodic.checks import FloatArray
+from perturb import transition_curves
+
+# Up to so many coordinates a system is integrated as it is. With 40 of a finite-element beam, tracing the boundaries
+# of its three lowest modes takes minutes; with 100 it is out of reach.
+MOST_WHOLE = 24
+# Modes up to so many times the highest excitation frequency are kept. What the others add to an edge is of second
+# order in eps, and falls with the square of this.
+REACH = 8.0
+
+
+def lowest_modes(system: PeriodicSystem, Omega_range: tuple[float, float], eps: float) -> tuple[PeriodicSystem, str]:
+    """Return a large system in its lowest modes, and a sentence that says what was left out and what that changes.
+
+    The modes are those of mass and stiffness alone, up to `REACH` times the window's upper end. The system itself and
+    no words are returned if it has at most `MOST_WHOLE` coordinates, if no mode is beyond, or if its stiffness is not
+    symmetric positive definite.
+
+    Parameters
+    ----------
+    system : PeriodicSystem
+    Omega_range : (float, float)
+        Window of excitation frequencies.
+    eps : float
+        Amplitude at which the change of the analytic edges is given.
+    """
+    K = system.stiffness
+    if system.size <= MOST_WHOLE or np.abs(K - K.T).max() > 1e-10 * np.abs(K).max():
+        return system, ""
+    squares, modes = sla.eigh((K + K.T) / 2, system.mass)
+    kept = int((squares <= (REACH * Omega_range[1]) ** 2).sum())
+    if squares[0] <= 0 or not 0 < kept < system.size:
+        return system, ""
+    V = modes[:, :kept]
+    mass, gyroscopic, damping = (V.T @ F @ V for F in (system.mass, system.gyroscopic, system.damping))
+    stiffness, cosine, sine = np.diag(squares[:kept]), V.T @ system.cosine @ V, V.T @ system.sine @ V
+    small = PeriodicSystem(mass, gyroscopic, damping, stiffness, cosine, sine)
+    change = _change(system, small, Omega_range, eps)
+    said = f"Integrated are the {kept} lowest of {system.size} modes"
+    try:
+        change = _change(system, small, Omega_range, eps)
+    except ValueError:  # damping that feeds energy into a mode: no theory
+        return small, f"{said}."
+    return small, (
+        f"{said}; by theory of second order the others move the edges of regions between these by {change:.2g} of "
+        f"their frequency at most, at ε = {eps:g}."
+    )
+
+
+def _change(whole: PeriodicSystem, small: PeriodicSystem, Omega_range: tuple[float, float], eps: float) -> float:
+    """Return the largest change of an edge by second-order theory, as part of the frequency."""
+    edges: list[dict[tuple[object, ...], FloatArray]] = [
+        {
+            (curve.p, curve.q, curve.j, curve.kind): np.array(curve.edges(eps)) / curve.centre
+            for curve in transition_curves(system, Omega_range, order=2)
+        }
+        for system in (whole, small)
+    ]
+    changes = [np.abs(edges[0][key] - edge) for key, edge in edges[1].items() if key in edges[0]]
+    return float(np.nanmax(np.array(changes), initial=0.0))

@@ -1,0 +1,83 @@
+"""What the long commands share: workers here or elsewhere, finished parts that are kept, and how it ends."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+
+from compare.cluster import workers_at
+from floquet.checkpoint import BlockStore
+
+UNFINISHED = ".unfinished"
+ALL_MODES = "integrate every mode of a large model, also those far above the window, which takes much longer"
+EPILOG = f"""\
+A run that was stopped, by Ctrl-C, kill -9 or a power cut, goes on where it was if the same command is given again with
+--resume: finished parts of charts are kept in {UNFINISHED} in the output folder until all is written. The results are
+the same to the last bit. Traced boundaries are not kept but computed anew.
+"""
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options that say where a long run is computed and kept."""
+    running = parser.add_argument_group("running")
+    running.add_argument("--jobs", type=_jobs, default=-1, metavar="N", help="workers; -1, the default, for all cores")
+    running.add_argument("--dask", metavar="ADDRESS", help="compute on all workers of this dask scheduler instead")
+    running.add_argument(
+        "--resume",
+        nargs="?",
+        type=Path,
+        const=Path(UNFINISHED),
+        metavar="DIR",
+        help=f"go on where a stopped run was; DIR keeps the parts of charts, for good, instead of OUTPUT/{UNFINISHED}",
+    )
+    running.add_argument("--no-progress", action="store_true", help="no progress bars")
+
+
+def run(name: str, options: argparse.Namespace, work: Callable[[BlockStore], int]) -> int:
+    """Return the exit status of ``work``, or 2 for wrong input and 130 for an interruption, each with a sentence."""
+    own = options.resume in (None, Path(UNFINISHED))
+    folder = options.output / UNFINISHED if own else options.resume
+    store = None
+    try:
+        if own and any(folder.glob("*.block")):
+            what = f"{folder} holds finished parts of charts of a run that was stopped"
+            print(what if options.resume else f"{what}; --resume goes on with them")
+        store = BlockStore(folder, fresh=options.resume is None)
+        with workers_at(options.dask) as remark:
+            if remark:
+                print(remark)
+            status = work(store)
+        if own:
+            store.clear()
+        return status
+    except ValueError as error:
+        return _stopped(name, str(error), store, 2)
+    except KeyboardInterrupt:
+        return _stopped(name, "interrupted; nothing was written", store, 130)
+    finally:
+        with suppress(OSError):  # it may hold what was finished
+            folder.rmdir()
+
+
+def _stopped(name: str, why: str, store: BlockStore | None, status: int) -> int:
+    """Say why the command ends, and how to go on if there is something to go on with."""
+    print(f"{name}: {why}", file=sys.stderr)
+    if store is not None and store.in_use:
+        print(
+            f"Finished parts of charts are kept in {store.folder}: the same command with --resume goes on from there.",
+            file=sys.stderr,
+        )
+    return status
+
+
+def _jobs(text: str) -> int:
+    try:
+        number = int(text)
+    except ValueError:
+        number = 0
+    if number == 0 or number < -1:
+        raise argparse.ArgumentTypeError(f"{text!r} is no number of workers; give 1, 2, ... or -1 for all cores")
+    return number
