@@ -3,22 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from tqdm import tqdm
 
+from floquet.branches import branches
+from floquet.coupling import DOUBT, Candidate, candidates
 from floquet.monodromy import member_at, monodromy
 from floquet.multipliers import Kind
 from floquet.names import Name, Namer, resonances
 from floquet.outline import Column, Loop, Place, components, crossings, loops
 from floquet.scanning import AMPLITUDES, Scan
+from floquet.tongues import Tongue, reach, trace_tongues
 from periodic import SystemFamily
 from periodic.checks import FloatArray, interval, one_of, real_array, real_number, workers
 
-# Columns before any refinement: a region that is nowhere wider than the distance between them may be missed.
-COLUMNS = 320
+# Columns before any refinement. Regions narrower than the distance between them are looked for at their resonances.
+COLUMNS = 160
+# Narrow regions are followed up to this many such distances.
+WIDE = 2.0
+# Regions that are nowhere wider than this part of the tolerance are left out.
+NARROWEST = 0.01
+# A region that is no longer narrow at this part of the height of the window is left to the columns.
+SOON = 0.05
+# No more resonances than these are followed: at low Omega and large eps there is no end of them.
+MOST = 200
 # Levels at which the width of a region is measured.
 LEVELS = 64
 # Amplitudes below the window, on the way down to the resonances.
@@ -137,9 +148,10 @@ def trace_regions(
     )
     scan = Scan(family, (low, high), eps, n_jobs)
     base = np.linspace(low, high, COLUMNS + 1)
-    feet = [name.centre for name in names if name.j <= 2 and name.sign > 0 and low < name.centre < high]
-    with tqdm(total=3, unit="stage", disable=None if progress is None else not progress) as bar:
-        scan.add([*base, *feet])
+    expected = candidates(member, names, top)
+    feet = [one.name.centre for one in expected if one.width > width / COLUMNS and one.name.j <= 2]
+    with tqdm(total=4, unit="stage", disable=None if progress is None else not progress) as bar:
+        scan.add([*base, *(foot for foot in feet if low < foot < high)])
         bar.update()
         scan.refine((width, top - bottom), tolerance)
         bar.update()
@@ -147,9 +159,65 @@ def trace_regions(
         namer = Namer(family, Omega, columns, names, tolerance * width)
         shown = [_above(column, bottom) for column in columns]
         found = (_region(family, Omega, shown, places, namer, tolerance * width) for places in components(shown))
-        regions = [region for region in found if region is not None]
+        wide = [region for region in found if region is not None]
+        bar.update()
+        narrow = trace_tongues(
+            family,
+            _narrow(expected, wide, (low, high), (bottom, top), tolerance),
+            (bottom, top),
+            WIDE * width / COLUMNS,
+            scan.steps,
+            scan.parallel,
+        )
+        regions = _joined(family, wide, narrow, (low, high), NARROWEST * tolerance * width)
         bar.update()
     return sorted(regions, key=lambda region: region.tip[0])
+
+
+def _narrow(
+    expected: Sequence[Candidate],
+    wide: Sequence[Region],
+    Omega_range: tuple[float, float],
+    eps_range: tuple[float, float],
+    tolerance: float,
+) -> list[Candidate]:
+    """Return the resonances whose regions may be narrow and are not yet known to belong to wide ones."""
+    (low, high), (bottom, top) = Omega_range, eps_range
+    widest = WIDE * (high - low) / COLUMNS
+    chosen = []
+    for one in expected:
+        end = reach(one, top, widest)
+        if not low - widest < one.name.centre < high + widest or end < bottom + SOON * (top - bottom):
+            continue
+        if one.width < NARROWEST * tolerance * (high - low) / DOUBT:
+            continue
+        levels = np.linspace(bottom, end, 8)[1:]
+        known = np.any([region.contains(one.name.centre, levels) for region in wide], axis=0) if wide else False
+        if not np.all(known):
+            chosen.append(one)
+    return chosen[:MOST]
+
+
+def _joined(
+    family: SystemFamily,
+    wide: Sequence[Region],
+    narrow: Sequence[Tongue],
+    window: tuple[float, float],
+    narrowest: float,
+) -> list[Region]:
+    """Return the wide regions with the narrow ones that they go on in, and the narrow ones that stand alone."""
+    regions = list(wide)
+    for tongue, loop, parent in branches(narrow, [region.contains for region in wide], window):
+        lowest = int(loop.eps.argmin())
+        tip = (float(loop.Omega[lowest]), float(loop.eps[lowest]))
+        if parent is not None:
+            old = regions[parent]
+            names = old.resonances if tongue.name in old.resonances else (*old.resonances, tongue.name)
+            tip = min(old.tip, tip, key=lambda place: place[1])
+            regions[parent] = replace(old, outlines=(*old.outlines, loop), resonances=names, tip=tip)
+        elif _width([loop]) >= narrowest and monodromy(family, *tongue.witness).kind > Kind.STABLE:
+            regions.append(Region((loop,), (tongue.name,), tip, tongue.witness))
+    return regions
 
 
 def _above(column: Column, bottom: float) -> Column:

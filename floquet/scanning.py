@@ -149,7 +149,7 @@ def _intervals(
 
 
 @lru_cache(maxsize=8)
-def _blocks(system: PeriodicSystem) -> list[Block]:
+def kept_blocks(system: PeriodicSystem) -> list[Block]:
     """Return the blocks of a system; most families have a single one for all frequencies."""
     return blocks(system)
 
@@ -160,7 +160,7 @@ def _cells(system: PeriodicSystem, Omega: float, eps: FloatArray, steps: float, 
     The steps are short enough for it to be below ERROR; every region is verified by `floquet.monodromy` in the end.
     """
     cells = []
-    for block in _blocks(system):
+    for block in kept_blocks(system):
         sampler = Sampler(block, equations(block, least_frequency(Omega)), Omega, work)
         mu, scale = multipliers(sampler, eps, log2_steps(block, Omega, eps, steps), ERROR)
         found = dominant_symplectic if block.symplectic else partial(dominant, reversible=block.reversible)

@@ -1,0 +1,141 @@
+"""Characteristic exponents of every mode, followed along a column from eps = 0, where it is known which is which.
+
+Multipliers are computed cell by cell and in no order. Along eps their angles are smooth, even where two of them meet in
+a region of instability much narrower than the distance between two amplitudes: what a mode does is extrapolated from
+the last cells, and the angles that were found go to the modes in the order of those that were expected.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from floquet.verdict import ComplexArray, exponent
+from periodic.checks import FloatArray
+
+# Multipliers of a conservative system this far from the unit circle, in log|mu|, have left it.
+ROUNDING = 1e-6
+# While two modes are unstable together both have one angle; this part of what each would have had tells them apart.
+LEAN = 1e-3
+
+
+class Exponents(NamedTuple):
+    """log mu of n modes in k cells of a block, arrays (k, n).
+
+    ``angle`` is the imaginary part, continuous along eps. ``modulus`` is the real part, or the mean of both for a mode
+    whose two multipliers are real; ``split`` is half their difference, 0 elsewhere. While two modes are unstable
+    together, or one with itself, their angles are those that they would have had without each other.
+    """
+
+    angle: FloatArray
+    modulus: FloatArray
+    split: FloatArray
+
+
+@njit(cache=True, nogil=True)
+def modes_symplectic(s: ComplexArray, exponents: FloatArray) -> Exponents:
+    """Return the exponents of the modes of a symplectic block with mu + 1/mu = 2^exponents[c] s[c, i], angles in
+    [0, pi]."""
+    k, n = s.shape
+    angle, modulus, split = np.zeros((k, n)), np.zeros((k, n)), np.zeros((k, n))
+    for c in range(k):
+        for i in range(n):
+            u, angle[c, i] = exponent(s[c, i], exponents[c])
+            if s[c, i].imag == 0.0:
+                split[c, i] = u
+            else:
+                modulus[c, i] = np.copysign(u, s[c, i].imag)
+    return Exponents(angle, modulus, split)
+
+
+@njit(cache=True, nogil=True)
+def modes(mu: ComplexArray, exponents: FloatArray) -> Exponents:
+    """Return the exponents of the modes of any block from its multipliers 2^exponents[c] mu[c, i], mu of shape (k, 2n),
+    angles in [0, pi].
+
+    Of the real multipliers of one sign the largest and the smallest are taken for those of one mode.
+    """
+    k, n = mu.shape[0], mu.shape[1] // 2
+    angle, modulus, split = np.zeros((k, n)), np.zeros((k, n)), np.zeros((k, n))
+    for c in range(k):
+        shift, used = exponents[c] * np.log(2.0), 0
+        for sign in (1.0, -1.0):
+            real = np.sort(np.array([np.log(max(abs(z), 1e-300)) for z in mu[c] if z.imag == 0.0 and z.real * sign > 0]))
+            for i in range(real.size // 2):
+                if used < n:
+                    low, high = real[i], real[real.size - 1 - i]
+                    modulus[c, used], split[c, used] = shift + (low + high) / 2, (high - low) / 2
+                    angle[c, used] = 0.0 if sign > 0 else np.pi
+                    used += 1
+        for z in mu[c]:
+            if z.imag > 0.0 and used < n:
+                modulus[c, used], angle[c, used] = shift + np.log(abs(z)), np.angle(z)
+                used += 1
+    return Exponents(angle, modulus, split)
+
+
+@njit(cache=True, nogil=True)
+def follow(found: Exponents, eps: FloatArray, start: FloatArray, conservative: bool) -> Exponents:
+    """Return ``found`` sorted into modes, whose angles at the first amplitude, eps[0] = 0, are ``start`` (n,)."""
+    k, n = found.angle.shape
+    angle, modulus, split = np.zeros((k, n)), np.zeros((k, n)), np.zeros((k, n))
+    locked, seen, expected = np.zeros(n, np.bool_), np.zeros(n), start.copy()
+    for c in range(k):
+        if c > 2:
+            x, x0, x1, x2 = eps[c], eps[c - 3], eps[c - 2], eps[c - 1]
+            expected = angle[c - 3] * ((x - x1) * (x - x2) / ((x0 - x1) * (x0 - x2)))
+            expected += angle[c - 2] * ((x - x0) * (x - x2) / ((x1 - x0) * (x1 - x2)))
+            expected += angle[c - 1] * ((x - x0) * (x - x1) / ((x2 - x0) * (x2 - x1)))
+        elif c == 2:  # shifts begin with eps^2
+            expected = angle[0] + (angle[1] - angle[0]) * (eps[2] / eps[1]) ** 2
+        folded = np.abs((expected + np.pi) % (2 * np.pi) - np.pi)
+        for i in range(n):
+            if locked[i]:  # it still is, or has just got free to the side to which it would have gone
+                if c > 1:
+                    rate = (angle[c - 1, i] - angle[c - 2, i]) / (eps[c - 1] - eps[c - 2])
+                    expected[i] = angle[c - 1, i] + rate * (eps[c] - eps[c - 1])
+                folded[i] = seen[i] + LEAN * (np.abs((expected[i] + np.pi) % (2 * np.pi) - np.pi) - seen[i])
+        order, ranks = np.argsort(folded), np.argsort(found.angle[c])
+        for r in range(n):
+            i, f = order[r], ranks[r]
+            seen[i] = theta = found.angle[c, f]
+            modulus[c, i], split[c, i] = found.modulus[c, f], found.split[c, f]
+            locked[i] = split[c, i] > 0.0 or (conservative and abs(modulus[c, i]) > ROUNDING)
+            if locked[i]:
+                angle[c, i] = expected[i]
+                continue
+            turns = 2 * np.pi * np.round(expected[i] / (2 * np.pi))
+            best = turns + theta
+            for other in (turns - theta, turns + theta - 2 * np.pi, turns - theta + 2 * np.pi):
+                if abs(other - expected[i]) < abs(best - expected[i]):
+                    best = other
+            angle[c, i] = best
+    return Exponents(angle, modulus, split)
+
+
+def test_function(found: Exponents, p: int, q: int, j: int, sign: int, conservative: bool) -> FloatArray:
+    """Return f (k,) of the resonance j Omega = omega_p ± omega_q, positive where the two are unstable.
+
+    That of `floquet.pair.instability`, from logarithms: analytic where the two coalesce. NaN where one of the modes is
+    unstable with another one.
+    """
+    angle, modulus, split = found
+    apart = angle[:, p] + sign * angle[:, q] - 2 * np.pi * j
+    total = modulus[:, p] + modulus[:, q]
+    if p == q:
+        apart = np.where(split[:, p] > 0, 0.0, apart)
+        f = split[:, p] ** 2 - apart**2 / 4 - total**2 / 4
+        return np.where(conservative & (np.abs(total) > ROUNDING), np.nan, f)
+    elsewhere = (split[:, p] > 0) | (split[:, q] > 0)
+    difference = modulus[:, p] - modulus[:, q]
+    if conservative:
+        together = np.abs(difference) > ROUNDING
+        f = np.where(together, difference**2, -(apart**2)) / 4
+        elsewhere |= np.abs(total) > ROUNDING
+    else:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            skew = difference * apart / 2 / total
+        f = (difference**2 - apart**2) / 4 + skew**2 - total**2 / 4
+    return np.where(elsewhere, np.nan, f)
