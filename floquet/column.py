@@ -25,6 +25,8 @@ from periodic.checks import FloatArray
 LEAST_STEPS = 16.0
 MOST_STEPS = 2.0**16  # more only collect rounding errors
 TARGET = 1e-10  # for the error E of `floquet.verdict`
+# Columns whose frequencies differ by less than this part share a measurement of the error.
+CLOSE = 0.1
 # The error is measured at two amplitudes, and with all multipliers; elsewhere it may be a little larger.
 SAFETY = 4.0
 UNIT, TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
@@ -75,30 +77,61 @@ def steps_needed(systems: Sequence[PeriodicSystem], Omega: FloatArray, eps: Floa
 def _columns(
     parts: Sequence[Block], Omega: FloatArray, eps: FloatArray, steps_a_cycle: float, work: Workspace
 ) -> Cells:
-    """Return the cells of a system at some frequencies, arrays of shape (frequencies, k)."""
+    """Return the cells of a system at some neighbouring frequencies, arrays of shape (frequencies, k)."""
+    measured = _measured(Omega)
+    after = np.searchsorted(measured, np.arange(len(Omega)))
+    before = np.searchsorted(measured, np.arange(len(Omega)), side="right") - 1
     cells = []
     for block in parts:
-        found, E = zip(*(_column(block, float(w), eps, steps_a_cycle, work) for w in Omega), strict=True)
-        dominant = Dominant(*(np.array(part) for part in zip(*found, strict=True)))
-        cells.append(judge(dominant, np.array(E), block.symplectic or block.reversible))
+        columns = [
+            _column(block, float(w), eps, steps_a_cycle, work, measure=i in measured) for i, w in enumerate(Omega)
+        ]
+        found = Dominant(*(np.array(part) for part in zip(*(column.found for column in columns), strict=True)))
+        slopes = np.array([columns[i].slope for i in measured])
+        slopes = np.maximum(slopes[before], slopes[after])
+        E = SAFETY * np.array([column.error(eps, slope) for column, slope in zip(columns, slopes, strict=True)])
+        cells.append(judge(found, E, block.symplectic or block.reversible))
     return combine(cells)
 
 
+class _Column(NamedTuple):
+    """The dominant multipliers of a block at one frequency, and what their errors follow from."""
+
+    found: Dominant
+    size: float  # T h^4, which the error is proportional to
+    slope: float  # E / size / |eps|, the largest of those measured; 0 if it was not measured
+    rounding: float
+    losses: FloatArray
+
+    def error(self, eps: FloatArray, slope: float) -> FloatArray:
+        """Return the errors E (k,): exact at eps = 0, they grow like eps^2, of which a straight line is on the safe
+        side."""
+        return self.losses * np.maximum(slope * self.size * np.abs(eps), self.rounding)
+
+
 def _column(
-    block: Block, Omega: float, eps: FloatArray, steps_a_cycle: float, work: Workspace
-) -> tuple[Dominant, FloatArray]:
-    """Return the dominant multipliers of a block at one frequency, and the errors E."""
+    block: Block, Omega: float, eps: FloatArray, steps_a_cycle: float, work: Workspace, *, measure: bool
+) -> _Column:
+    """Integrate a column; ``measure`` its error at two amplitudes, by integrating once more with half the step."""
     L = log2_steps(block, Omega, eps, steps_a_cycle)
     sampler = Sampler(block, equations(block, least_frequency(Omega)), Omega, work)
     mu, (exponents, losses) = multipliers(sampler, eps, L, TOLERANCE)
-    tested = _tested(eps)
-    measured = _discrepancies(sampler, mu[tested], exponents[tested], eps[tested], L)
-    # exact at eps = 0, and the error grows at least like eps^2; the straight line is on the safe side
-    slope = (measured / np.maximum(np.abs(eps[tested]), np.abs(eps).max() / 4 + TINY)).max()
-    E = SAFETY * losses * np.maximum(slope * np.abs(eps), UNIT * 2.0**L)
-    if block.symplectic:
-        return dominant_symplectic(mu, exponents), E
-    return dominant(mu, exponents, block.reversible), E
+    found = dominant_symplectic(mu, exponents) if block.symplectic else dominant(mu, exponents, block.reversible)
+    size, slope = sampler.period * (sampler.period / 2.0**L) ** 4, 0.0
+    if measure:
+        tested = _tested(eps)
+        measured = _discrepancies(sampler, mu[tested], exponents[tested], eps[tested], L)
+        slope = (measured / np.maximum(np.abs(eps[tested]), np.abs(eps).max() / 4 + TINY)).max() / size
+    return _Column(found, size, slope, UNIT * 2.0**L, losses)
+
+
+def _measured(Omega: FloatArray) -> list[int]:
+    """Return the columns whose error is measured: the first, the last, and as many as leave none far from one."""
+    found = [0]
+    for i in range(1, len(Omega)):
+        if i == len(Omega) - 1 or Omega[i + 1] > (1 + CLOSE) * Omega[found[-1]]:
+            found.append(i)
+    return found
 
 
 def _needed_steps(block: Block, Omega: float, eps: FloatArray, work: Workspace) -> float:
@@ -137,7 +170,9 @@ def multipliers(sampler: Sampler, eps: FloatArray, L: int, tolerance: float) -> 
     for panel in sampler.panels(eps, L, tolerance):
         parts.append(solve(panel.samples, panel.weights)[: panel.scale.exponents.size])
         scales.append(panel.scale)
-    return np.concatenate(parts), Scale(*(np.concatenate(part) for part in zip(*scales, strict=True)))
+    mu, scale = np.concatenate(parts), Scale(*(np.concatenate(part) for part in zip(*scales, strict=True)))
+    scale.losses[~np.isfinite(mu).all(axis=1)] = np.inf  # an eigenvalue that did not converge: nothing is known
+    return mu, scale
 
 
 def _tested(eps: FloatArray) -> list[int]:

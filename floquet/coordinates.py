@@ -61,13 +61,14 @@ class Equations(NamedTuple):
     strength: FloatArray
 
 
-def blocks(system: PeriodicSystem) -> list[Block]:
+@lru_cache(maxsize=8)  # most families have one system for all frequencies
+def blocks(system: PeriodicSystem) -> tuple[Block, ...]:
     """Return the independent subsystems of ``system``."""
     inverse = sla.solve_triangular(np.linalg.cholesky(system.mass), np.eye(system.size), lower=True)
     constant = np.array([system.gyroscopic, system.damping, system.stiffness])
     matrices = np.concatenate([constant, system.cosine, system.sine])
     bases = independent_blocks(inverse @ matrices @ inverse.T)
-    return [_block(system, matrices, inverse.T @ X) for X in bases]
+    return tuple(_block(system, matrices, inverse.T @ X) for X in bases)
 
 
 def _block(system: PeriodicSystem, matrices: FloatArray, V: FloatArray) -> Block:

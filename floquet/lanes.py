@@ -1,9 +1,9 @@
-"""Eight numbers at once: a small Numba type for the SIMD registers of the machine.
+"""Sixteen numbers at once: a small Numba type for the SIMD registers of the machine.
 
-A lane array has shape (..., 8): entry i of eight independent problems side by side. Kernels written on `Lanes` read
-like their scalar textbook form and run on eight problems for the price of one. Each function below is plain NumPy on
-arrays of shape (8,), and that is how it runs with NUMBA_DISABLE_JIT=1; the lowering underneath says the same to LLVM
-on its ``<8 x double>``, which every machine supports (one AVX-512 register, two AVX, four NEON).
+A lane array has shape (..., 16): entry i of sixteen independent problems side by side. Kernels written on `Lanes` read
+like their scalar textbook form and run on all problems for little more than one. Each function below is plain NumPy on
+arrays of shape (16,), and that is how it runs with NUMBA_DISABLE_JIT=1; the lowering underneath says the same to LLVM
+on its ``<16 x double>``, which every machine supports (two AVX-512 registers, four AVX, eight NEON).
 """
 
 from __future__ import annotations
@@ -22,7 +22,8 @@ from numba.extending import lower_builtin, models, register_model, type_callable
 
 from periodic.checks import FloatArray
 
-WIDTH = 8
+# Two registers of the widest kind: while one waits for a square root or a quotient, the other works.
+WIDTH = 16
 VECTOR = ir.VectorType(ir.DoubleType(), WIDTH)
 
 
@@ -30,7 +31,7 @@ VECTOR = ir.VectorType(ir.DoubleType(), WIDTH)
 
 
 def load(array: FloatArray, i: int, j: int) -> FloatArray:
-    """Return the lanes at row i, column j of a C-contiguous array (rows, columns, 8)."""
+    """Return the lanes at row i, column j of a C-contiguous array (rows, columns, 16)."""
     return array[i, j].copy()
 
 
@@ -68,7 +69,7 @@ def pick_le(a: FloatArray, b: FloatArray, yes: FloatArray, no: FloatArray) -> Fl
 
 
 class LanesType(types.Type):
-    """Numba's type of eight float64 side by side."""
+    """Numba's type of sixteen float64 side by side."""
 
     def __init__(self) -> None:
         super().__init__(name="Lanes")

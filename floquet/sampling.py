@@ -22,13 +22,14 @@ MOST_ENTRIES = 2**22  # of one array of samples (32 MB); five such arrays are in
 MOST_CONTRAST = 30.0
 # Logarithm of the growth that the factors of one product may differ by; the small ones must not underflow.
 MOST_FACTOR = 100.0
+FEW = 8  # amplitudes that are integrated one by one: interpolation would take as many
 FACTORS = 64  # of a long product that are multiplied pairwise, the others one after the other
 
 
 class Panel(NamedTuple):
     """Monodromy matrices at the amplitudes eps[cells]: combinations of ``samples`` (m, N, N) at the given scale.
 
-    ``weights`` (groups, m, 8) are those of eight cells at a time; the last cell is repeated to fill the last group.
+    ``weights`` (groups, m, 16) are those of sixteen cells at a time; the last cell is repeated to fill the last group.
     """
 
     cells: slice
@@ -66,7 +67,7 @@ class Sampler:
         while stack:
             cells = stack.pop()
             count = cells.stop - cells.start
-            sample = self._interpolated if count > WIDTH else self._direct
+            sample = self._interpolated if count > FEW else self._direct
             panel = sample(eps[cells], L, tolerance)
             if panel is not None:
                 yield panel._replace(cells=cells)
@@ -155,6 +156,6 @@ def _interpolation(m: int, x: bytes) -> FloatArray:
 
 
 def in_lanes(weights: FloatArray) -> FloatArray:
-    """Return ``weights`` (cells, m) of eight cells at a time, (groups, m, 8); the last cell fills the last group."""
+    """Return ``weights`` (cells, m) of sixteen cells at a time, (groups, m, 16); the last cell fills the last group."""
     padded = np.concatenate([weights, np.repeat(weights[-1:], -len(weights) % WIDTH, axis=0)])
     return np.ascontiguousarray(padded.reshape(-1, WIDTH, weights.shape[1]).transpose(0, 2, 1))

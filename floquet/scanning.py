@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from functools import lru_cache, partial
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -11,7 +11,7 @@ import numpy as np
 from joblib import Parallel, delayed
 
 from floquet.column import SAFETY, least_frequency, log2_steps, multipliers, steps_needed
-from floquet.coordinates import Block, blocks, equations
+from floquet.coordinates import blocks, equations
 from floquet.multipliers import Kind
 from floquet.outline import Column, Interval, links
 from floquet.sampling import Sampler, Workspace
@@ -148,19 +148,13 @@ def _intervals(
     return found
 
 
-@lru_cache(maxsize=8)
-def kept_blocks(system: PeriodicSystem) -> list[Block]:
-    """Return the blocks of a system; most families have a single one for all frequencies."""
-    return blocks(system)
-
-
 def _cells(system: PeriodicSystem, Omega: float, eps: FloatArray, steps: float, work: Workspace) -> Cells:
     """Return a column of a chart without measuring its error, which would double the cost.
 
     The steps are short enough for it to be below ERROR; every region is verified by `floquet.monodromy` in the end.
     """
     cells = []
-    for block in kept_blocks(system):
+    for block in blocks(system):
         sampler = Sampler(block, equations(block, least_frequency(Omega)), Omega, work)
         mu, scale = multipliers(sampler, eps, log2_steps(block, Omega, eps, steps), ERROR)
         found = dominant_symplectic if block.symplectic else partial(dominant, reversible=block.reversible)

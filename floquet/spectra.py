@@ -1,6 +1,6 @@
-"""Eigenvalues of eight real matrices at once: Householder reduction and Francis QR on lane arrays (floquet/lanes.py).
+"""Eigenvalues of sixteen real matrices at once: Householder reduction and Francis QR on lane arrays (floquet/lanes.py).
 
-The textbook algorithms (Golub and Van Loan, Matrix Computations, 4th ed., sections 7.4 and 7.5), values only. All eight
+The textbook algorithms (Golub and Van Loan, Matrix Computations, 4th ed., sections 7.4 and 7.5), values only. All
 matrices go through the same operations; where they differ - in the window of the matrix that has not converged yet -
 the lanes that have nothing to do apply the identity. Entries are expected to be of order one at most.
 """
@@ -12,10 +12,10 @@ from numba import njit
 from numpy.typing import NDArray
 
 from floquet.lanes import WIDTH, fma, load, magnitude, pick_le, root, spread, store
+from floquet.reflections import TINY, lane_array, lane_vectors, pass_general, reflect_column
 from periodic.checks import FloatArray
 
 UNIT = float(np.finfo(float).eps)
-TINY = 1e-280  # a vector whose squares sum to less is zero
 SWEEPS_PER_EIGENVALUE = 30  # at most, as LAPACK; two or three is usual
 EXCEPTIONAL = 10  # sweeps without success, after which an odd shift is tried
 
@@ -24,81 +24,34 @@ LO, HI, X, Y, Z = range(5)
 
 
 @njit(cache=True, nogil=True)
-def reflector(head: FloatArray, tail: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return (beta, scale, image) of the reflection I - v v^T, v^T v = 2, that maps x to image e_1.
-
-    ``head`` is x_1 and ``tail`` the sum of the other squares; v = scale (x_1 + beta, x_2, x_3, ...). For x = 0 it is
-    the identity.
-    """
-    norm = root(fma(head, head, tail))
-    beta = pick_le(spread(0.0), head, norm, -norm)
-    square = beta * (head + beta)  # half of |(x_1 + beta, x_2, ...)|^2
-    scale = spread(1.0) / root(pick_le(square, spread(TINY), spread(1.0), square))
-    return (
-        beta,
-        pick_le(square, spread(TINY), spread(0.0), scale),
-        pick_le(square, spread(TINY), head, -beta),
-    )
-
-
-@njit(cache=True, nogil=True)
-def hessenberg(A: FloatArray, work: FloatArray) -> None:
-    """Reduce the lane array A (n, n, 8) in place to upper Hessenberg form by orthogonal similarity.
-
-    With a reflection P = I - v v^T, P A P = A - v w^T - u v^T, where w = A^T v - s v / 2, u = A v - s v / 2, s = v^T
-    A v. One pass over A applies the last reflection and forms the products for the next, because memory is slower than
-    arithmetic here. ``work`` has shape (6, n, 8).
-    """
-    n = A.shape[0]
-    work[:] = 0.0
+def hessenberg(A: FloatArray, n: int, x: FloatArray) -> None:
+    """Reduce the n x n `lane_array` A in place to upper Hessenberg form by orthogonal similarity; ``x`` is
+    ``lane_vectors(6, n)``."""
+    x[:] = 0.0
     for k in range(n - 2):
-        v, w, u = (0, 1, 2) if k % 2 == 0 else (3, 4, 5)  # the last reflection
-        new_v, new_w, new_u = (3, 4, 5) if k % 2 == 0 else (0, 1, 2)
+        (v, u, w), new = ((0, 1, 2), (3, 4, 5)) if k % 2 == 0 else ((3, 4, 5), (0, 1, 2))
         # column k with the last reflection applied gives the next one
-        w_k, v_k, tail = load(work, w, k), load(work, v, k), spread(0.0)
+        w_k, v_k = load(x, w, k), load(x, v, k)
         for i in range(n):
-            a = load(A, i, k) - load(work, v, i) * w_k - load(work, u, i) * v_k
-            store(A, i, k, a if i < k + 2 else spread(0.0))
-            store(work, new_v, i, a)
-            if i > k + 1:
-                tail = fma(a, a, tail)
-        head = load(work, new_v, k + 1)
-        beta, scale, image = reflector(head, tail)
-        store(A, k + 1, k, image)
-        store(work, new_v, k + 1, head + beta)
-        for i in range(n):
-            store(work, new_v, i, load(work, new_v, i) * scale if i > k else spread(0.0))
-            store(work, new_w, i, spread(0.0))
-        # the other columns, and the products with the new v
-        s = spread(0.0)
-        for i in range(n):
-            v_i, u_i, new_v_i, y = -load(work, v, i), -load(work, u, i), load(work, new_v, i), spread(0.0)
-            for j in range(k + 1, n):
-                a = fma(v_i, load(work, w, j), fma(u_i, load(work, v, j), load(A, i, j)))
-                store(A, i, j, a)
-                store(work, new_w, j, fma(new_v_i, a, load(work, new_w, j)))
-                y = fma(a, load(work, new_v, j), y)
-            store(work, new_u, i, y)
-            s = fma(new_v_i, y, s)
-        half = spread(0.5) * s
-        for i in range(k + 1, n):
-            v_i = load(work, new_v, i)
-            store(work, new_w, i, load(work, new_w, i) - half * v_i)
-            store(work, new_u, i, load(work, new_u, i) - half * v_i)
-    v, w, u = (0, 1, 2) if n % 2 == 0 else (3, 4, 5)
+            a = load(A, i, k) - load(x, v, i) * w_k - load(x, u, i) * v_k
+            store(x, new[0], i, a)
+            store(A, i, k, a if i <= k else spread(0.0))
+        store(A, k + 1, k, reflect_column(x, new[0], k + 1, n))
+        pass_general(A, x, (v, u, w), new, k + 1, n)
+    v, u, w = (0, 1, 2) if n % 2 == 0 else (3, 4, 5)
     for i in range(n):
         for j in range(max(n - 2, 0), n):
-            store(A, i, j, load(A, i, j) - load(work, v, i) * load(work, w, j) - load(work, u, i) * load(work, v, j))
+            store(A, i, j, load(A, i, j) - load(x, v, i) * load(x, w, j) - load(x, u, i) * load(x, v, j))
 
 
 @njit(cache=True, nogil=True)
 def hessenberg_eigenvalues(H: FloatArray, real: FloatArray, imag: FloatArray, work: FloatArray) -> None:
-    """Write the eigenvalues of the upper Hessenberg lane array H (n, n, 8) into ``real`` and ``imag`` (n, 8).
+    """Write the eigenvalues of the upper Hessenberg `lane_array` H into ``real`` and ``imag`` (n, 16).
 
     Francis double-shift QR; H is destroyed. Each lane has its own window lo..hi, the lowest block that has not split
-    off; a lane is finished at hi = -1. Eigenvalues that have not converged are NaN. ``work`` has shape (1, 5, 8).
+    off; a lane is finished at hi = -1. Eigenvalues that have not converged are NaN. ``work`` has shape (1, 5, 16).
     """
-    n = H.shape[0]
+    n = real.shape[0]
     lo, hi = work[0, LO], work[0, HI]
     hi[:] = n - 1
     real[:], imag[:] = np.nan, np.nan
@@ -221,34 +174,38 @@ def _sweep(H: FloatArray, work: FloatArray, start: int, stop: int) -> None:
 
 @njit(cache=True, nogil=True)
 def interpolate(samples: FloatArray, weights: FloatArray, result: FloatArray) -> None:
-    """Write the combinations of ``samples`` (m, n, n) with the lane weights (1, m, 8) into ``result`` (n, columns >=
-    n, 8)."""
+    """Write combinations of ``samples`` (m, n, n) with the lane weights (1, m, 16) into the `lane_array` ``result``.
+
+    Entries are taken four at a time, so that one does not wait for the other.
+    """
     m, n = samples.shape[0], samples.shape[1]
+    last = n - 1
     for i in range(n):
-        for j in range(n):
-            total = spread(0.0)
+        for j in range(0, n, 4):
+            j1, j2, j3 = min(j + 1, last), min(j + 2, last), min(j + 3, last)
+            r0 = r1 = r2 = r3 = spread(0.0)
             for a in range(m):
-                total = fma(spread(samples[a, i, j]), load(weights, 0, a), total)
-            store(result, i, j, total)
-
-
-@njit(cache=True, nogil=True)
-def lane_array(n: int) -> FloatArray:
-    """Return a lane array of n rows, with an odd number of columns: rows a power of two apart share their place in
-    the cache."""
-    return np.zeros((n, n + 1 - n % 2, WIDTH))
+                weight = load(weights, 0, a)
+                r0 = fma(spread(samples[a, i, j]), weight, r0)
+                r1 = fma(spread(samples[a, i, j1]), weight, r1)
+                r2 = fma(spread(samples[a, i, j2]), weight, r2)
+                r3 = fma(spread(samples[a, i, j3]), weight, r3)
+            store(result, i, j, r0)
+            store(result, i, j1, r1)
+            store(result, i, j2, r2)
+            store(result, i, j3, r3)
 
 
 @njit(cache=True, nogil=True)
 def eigenvalues(samples: FloatArray, weights: FloatArray) -> NDArray[np.complex128]:
-    """Return the eigenvalues (8 g, n) of 8 g combinations of ``samples`` (m, n, n), given lane weights (g, m, 8)."""
+    """Return the eigenvalues (16 g, n) of 16 g combinations of ``samples`` (m, n, n), given lane weights (g, m, 16)."""
     groups, n = weights.shape[0], samples.shape[1]
-    A, work, state = lane_array(n), np.empty((6, n, WIDTH)), np.empty((1, 5, WIDTH))
+    A, x, state = lane_array(n), lane_vectors(6, n), np.empty((1, 5, WIDTH))
     real, imag = np.empty((n, WIDTH)), np.empty((n, WIDTH))
     result = np.empty((groups * WIDTH, n), np.complex128)
     for g in range(groups):
         interpolate(samples, weights[g : g + 1], A)
-        hessenberg(A, work)
+        hessenberg(A, n, x)
         hessenberg_eigenvalues(A, real, imag, state)
         for lane in range(WIDTH):
             for i in range(n):

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from threading import Lock
 from typing import Any
 
-from threadpoolctl import threadpool_limits
+from threadpoolctl import ThreadpoolController
 
 _lock = Lock()
 _users: list[None] = []
@@ -22,7 +23,7 @@ def single_blas_thread() -> Iterator[None]:
     """
     with _lock:
         if not _users:
-            _limits.append(threadpool_limits(limits=1, user_api="blas"))
+            _limits.append(_controller().limit(limits=1, user_api="blas"))
         _users.append(None)
     try:
         yield
@@ -31,3 +32,9 @@ def single_blas_thread() -> Iterator[None]:
             _users.pop()
             if not _users:
                 _limits.pop().restore_original_limits()
+
+
+@cache
+def _controller() -> ThreadpoolController:
+    """Return the BLAS libraries of this process; looking for them takes as long as a column of a chart."""
+    return ThreadpoolController()

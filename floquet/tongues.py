@@ -16,12 +16,11 @@ from joblib import delayed
 from numpy.typing import NDArray
 
 from floquet.column import least_frequency, log2_steps, multipliers
-from floquet.coordinates import Block, equations
+from floquet.coordinates import Block, blocks, equations
 from floquet.coupling import Candidate
 from floquet.exponents import follow, modes, modes_symplectic, test_function
 from floquet.names import Name
 from floquet.sampling import Sampler, Workspace
-from floquet.scanning import kept_blocks
 from floquet.threads import single_blas_thread
 from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import FloatArray
@@ -233,5 +232,5 @@ def _expected(candidate: Candidate, eps: FloatArray) -> tuple[float, FloatArray]
 def _block(system: PeriodicSystem, candidate: Candidate) -> Block:
     """Return the block of a member of the family that the modes of a candidate belong to."""
     wanted = candidate.home.block.K.diagonal()
-    same = [block for block in kept_blocks(system) if len(block.K) == len(wanted)]
+    same = [block for block in blocks(system) if len(block.K) == len(wanted)]
     return min(same, key=lambda block: float(np.abs(block.K.diagonal() - wanted).max()))

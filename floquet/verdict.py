@@ -101,23 +101,24 @@ def dominant_symplectic(s: ComplexArray, exponents: FloatArray) -> Dominant:
                 if u[count] > u[top]:
                     top = count
                 count += 1
-        nearest = np.inf
-        for i in range(count):
-            if i == top or u[top] == 0.0:
-                nearest = min(nearest, _distance_to_images(u[i], v[i]))
-                for j in range(count):
-                    if j != i:
-                        nearest = min(nearest, np.hypot(u[i] - u[j], v[i] - v[j]))
+        if u[top] == 0.0:  # all on the unit circle: neighbours, and the images of the first and the last
+            on_circle = np.sort(v[:count])
+            nearest = min(2.0 * on_circle[0], 2.0 * (np.pi - on_circle[-1]))
+            for i in range(1, count):
+                nearest = min(nearest, on_circle[i] - on_circle[i - 1])
+        else:
+            nearest = _distance_to_images(u[top], v[top])
+            for i in range(count):
+                if i != top:
+                    nearest = min(nearest, np.hypot(u[top] - u[i], v[top] - v[i]))
         log_modulus[c], angle[c], gap[c] = u[top], v[top], nearest
     return Dominant(log_modulus, angle, gap)
 
 
 @njit(cache=True, nogil=True)
 def _distance_to_images(u: float, v: float) -> float:
-    """Return the distance, in log mu, of the multiplier exp(u + i v) from its images 1/conj(mu) and conj(mu)."""
+    """Return the distance, in log mu, of the multiplier exp(u + i v), u > 0, from 1/conj(mu) and conj(mu)."""
     across = min(2.0 * v, 2.0 * (np.pi - v))
-    if u == 0.0:
-        return across
     return 2.0 * u if across == 0.0 else min(2.0 * u, across)
 
 

@@ -8,15 +8,17 @@ import scipy.linalg as sla
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from floquet.spectra import eigenvalues, hessenberg, lane_array
-from floquet.symplectic import pvl, reciprocal_pairs, skew_hamiltonian, symplectic_eigenvalues
+from floquet.lanes import WIDTH
+from floquet.reflections import lane_array, lane_vectors
+from floquet.spectra import eigenvalues, hessenberg
+from floquet.symplectic import VECTORS, pvl, reciprocal_pairs, skew_hamiltonian, symplectic_eigenvalues
 
 some = settings(max_examples=25, deadline=None)
-ONE_EACH = np.eye(8)[None]  # lane i is sample i: weights (1 group, 8 samples, 8 lanes)
+ONE_EACH = np.eye(WIDTH)[None]  # lane i is sample i: weights (1 group, 16 samples, 16 lanes)
 
 
 def lanes(matrices):
-    """Eigenvalues of eight matrices (8, n, n), one to a lane."""
+    """Eigenvalues of sixteen matrices (16, n, n), one to a lane."""
     # a lane that has converged computes on, and what it finds is thrown away: without compilation NumPy would warn
     with np.errstate(all="ignore"):
         return eigenvalues(np.ascontiguousarray(matrices, dtype=float), ONE_EACH)
@@ -38,7 +40,7 @@ def random_symplectic(rng, n, size):
 @some
 @given(st.integers(0, 10**6), st.integers(1, 16))
 def test_random_matrices(seed, n):
-    A = np.random.default_rng(seed).standard_normal((8, n, n)) / np.sqrt(n)
+    A = np.random.default_rng(seed).standard_normal((WIDTH, n, n)) / np.sqrt(n)
     found = lanes(A)
     for matrix, mu in zip(A, found, strict=True):
         # sums of powers are well-conditioned, whatever the eigenvalues are
@@ -54,7 +56,7 @@ def test_orthogonal_matrices(seed, n):
     # normal: every eigenvalue is as good as the matrix; neighbours in eps look like this
     rng = np.random.default_rng(seed)
     S, D = (X - X.T for X in rng.standard_normal((2, n, n)))
-    A = np.array([sla.expm(S + 0.01 * lane * D) for lane in range(8)])
+    A = np.array([sla.expm(S + 0.01 * lane * D) for lane in range(WIDTH)])
     for matrix, mu in zip(A, lanes(A), strict=True):
         assert distance(mu, np.linalg.eigvals(matrix)) < 1e-13
         assert np.abs(mu) == pytest.approx(1, abs=1e-13)
@@ -77,6 +79,7 @@ def test_awkward_matrices_share_a_group():
             np.diag(np.arange(n) / n),
             rng.standard_normal((n, n)),
             graded,
+            *rng.standard_normal((WIDTH - 8, n, n)),
         ]
     )
     for matrix, mu in zip(matrices, lanes(matrices), strict=True):
@@ -86,7 +89,7 @@ def test_awkward_matrices_share_a_group():
 def test_defective_matrix():
     n = 5
     jordan = np.eye(n, k=1) + 0.5 * np.eye(n)
-    mu = lanes(np.array([jordan] * 8))
+    mu = lanes(np.array([jordan] * WIDTH))
     # backward stable: each eigenvalue within the fifth root of a few roundings
     assert np.abs(mu - 0.5).max() < (10 * n * 2e-16) ** (1 / n)
 
@@ -95,11 +98,11 @@ def test_defective_matrix():
 def test_hessenberg_form():
     n = 5
     A = lane_array(n)
-    A[:, :n] = np.random.default_rng(1).standard_normal((n, n, 8))
-    before = A[:, :n].copy()
-    hessenberg(A, np.empty((6, n, 8)))
-    for lane in range(8):
-        H = A[:, :n, lane]
+    A[:n, :n] = np.random.default_rng(1).standard_normal((n, n, WIDTH))
+    before = A[:n, :n].copy()
+    hessenberg(A, n, lane_vectors(6, n))
+    for lane in range(WIDTH):
+        H = A[:n, :n, lane]
         assert (np.tril(H, -2) == 0).all()
         assert np.linalg.norm(H) == pytest.approx(np.linalg.norm(before[..., lane]), rel=1e-14)
         assert np.poly(H) == pytest.approx(np.poly(before[..., lane]), abs=1e-12)
@@ -108,10 +111,10 @@ def test_hessenberg_form():
 @pytest.mark.kernel
 def test_weights_combine_samples():
     rng = np.random.default_rng(2)
-    samples, weights = rng.standard_normal((3, 4, 4)), rng.standard_normal((2, 3, 8))
-    found = eigenvalues(samples, weights).reshape(2, 8, 4)
+    samples, weights = rng.standard_normal((3, 4, 4)), rng.standard_normal((2, 3, WIDTH))
+    found = eigenvalues(samples, weights).reshape(2, WIDTH, 4)
     for group in range(2):
-        for lane in range(8):
+        for lane in range(WIDTH):
             matrix = np.tensordot(weights[group, :, lane], samples, 1)
             assert distance(found[group, lane], np.linalg.eigvals(matrix)) < 1e-12
 
@@ -120,7 +123,7 @@ def test_weights_combine_samples():
 @given(st.integers(0, 10**6), st.integers(1, 10), st.floats(0.05, 0.5))
 def test_symplectic_matrices(seed, n, size):
     rng = np.random.default_rng(seed)
-    Phi = np.array([random_symplectic(rng, n, size / np.sqrt(n)) for _ in range(8)])
+    Phi = np.array([random_symplectic(rng, n, size / np.sqrt(n)) for _ in range(WIDTH)])
     found = symplectic_eigenvalues(Phi, ONE_EACH)
     for matrix, s in zip(Phi, found, strict=True):
         # every s = mu + 1/mu is a double eigenvalue of Phi + Phi^-1
@@ -132,20 +135,21 @@ def test_symplectic_matrices(seed, n, size):
 
 @pytest.mark.kernel
 def test_pvl_reduction():
-    n = 3
+    n = 5
     rng = np.random.default_rng(0)
     Phi = lane_array(2 * n)
-    for lane in range(8):
-        Phi[:, : 2 * n, lane] = random_symplectic(rng, n, 0.3)
+    for lane in range(WIDTH):
+        Phi[: 2 * n, : 2 * n, lane] = random_symplectic(rng, n, 0.3)
     A, G, Q = lane_array(n), lane_array(n), lane_array(n)
-    skew_hamiltonian(Phi, A, G, Q)
-    W = [Phi[:, : 2 * n, lane] + np.linalg.inv(Phi[:, : 2 * n, lane]) for lane in range(8)]
-    for lane in range(8):
-        a, g, q = (X[:, :n, lane] for X in (A, G, Q))
-        assert np.block([[a, g], [q, a.T]]) == pytest.approx(W[lane], abs=1e-14 * np.linalg.norm(W[lane]))
-    pvl(A, G, Q, np.empty((3, n, 8)))
-    for lane in range(8):
-        H = A[:, :n, lane]
+    skew_hamiltonian(Phi, A, G, Q, n)
+    W = [Phi[: 2 * n, : 2 * n, lane] + np.linalg.inv(Phi[: 2 * n, : 2 * n, lane]) for lane in range(WIDTH)]
+    for lane in range(WIDTH):
+        a, g, q = (X[:n, :n, lane] for X in (A, G, Q))
+        whole = np.block([[a, g - g.T], [q - q.T, a.T]])  # only what is below the diagonal is written
+        assert whole == pytest.approx(W[lane], abs=1e-14 * np.linalg.norm(W[lane]))
+    pvl(A, G, Q, n, lane_vectors(VECTORS, n))
+    for lane in range(WIDTH):
+        H = A[:n, :n, lane]
         assert (np.tril(H, -2) == 0).all()
         doubled = np.polymul(np.poly(H), np.poly(H))
         assert doubled == pytest.approx(np.poly(W[lane]), abs=1e-12 * np.abs(doubled).max())
@@ -159,9 +163,9 @@ def test_no_excitation_stays_exactly_on_the_circle():
     rotation = np.block(
         [[np.diag(np.cos(angles)), np.diag(np.sin(angles))], [-np.diag(np.sin(angles)), np.diag(np.cos(angles))]]
     )
-    s = symplectic_eigenvalues(np.array([rotation] * 8), ONE_EACH)
+    s = symplectic_eigenvalues(np.array([rotation] * WIDTH), ONE_EACH)
     assert (s.imag == 0).all()
-    assert np.sort(s.real, axis=1) == pytest.approx(np.tile(np.sort(2 * np.cos(angles)), (8, 1)), abs=1e-15)
+    assert np.sort(s.real, axis=1) == pytest.approx(np.tile(np.sort(2 * np.cos(angles)), (WIDTH, 1)), abs=1e-15)
 
 
 def test_reciprocal_pairs():
