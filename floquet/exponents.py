@@ -139,3 +139,52 @@ def test_function(found: Exponents, p: int, q: int, j: int, sign: int, conservat
             skew = difference * apart / 2 / total
         f = (difference**2 - apart**2) / 4 + skew**2 - total**2 / 4
     return np.where(elsewhere, np.nan, f)
+
+
+@njit(cache=True, nogil=True)
+def edge(found: Exponents, eps: FloatArray, outside: int, inside: int, further: int, conservative: bool) -> float:
+    """Return where between two neighbouring amplitudes, ``outside`` and ``inside`` a region, its edge is.
+
+    At a zero of the parabola through the test function f of the most unstable pair at both and at ``further`` inside.
+    """
+    angle, modulus, split = found
+    top = int((modulus[inside] + split[inside]).argmax())
+    single = split[inside, top] > 0.0
+    values = np.zeros(3)
+    at = angle[inside, top]
+    for r in range(3):
+        c = (inside, further, outside)[r]
+        if r < 2:
+            first = int((modulus[c] + split[c]).argmax())
+        else:
+            first = int(np.abs(angle[c] - at).argmin())
+        if single:
+            total, apart = 2 * modulus[c, first], 2 * (angle[c, first] - at)
+            values[r] = split[c, first] ** 2 - apart**2 / 4 - total**2 / 4
+        else:
+            distance = np.abs(angle[c] - (angle[c, first] if r < 2 else at))
+            distance[first] = np.inf
+            second = int(distance.argmin())
+            total, apart = modulus[c, first] + modulus[c, second], angle[c, first] - angle[c, second]
+            difference = modulus[c, first] - modulus[c, second]
+            values[r] = (difference**2 - apart**2 - total**2) / 4
+            if not conservative and total != 0.0:
+                values[r] += (difference * apart / 2 / total) ** 2
+            if r == 0:
+                at = (angle[c, first] + angle[c, second]) / 2
+    b, a = eps[inside], eps[outside]
+    if not (values[0] > 0.0 and values[2] < 0.0):
+        return (a + b) / 2
+    # inwards from outside: f = values[2] + slope x + bend x (x - 1), x = 1 at ``inside``
+    slope, bend = values[0] - values[2], 0.0
+    if further != inside:
+        x = (eps[further] - a) / (b - a)
+        bend = (values[1] - values[2] - slope * x) / (x * (x - 1))
+    low, high = 0.0, 1.0
+    for _ in range(40):
+        x = (low + high) / 2
+        if values[2] + slope * x + bend * x * (x - 1) > 0.0:
+            high = x
+        else:
+            low = x
+    return a + (low + high) / 2 * (b - a)

@@ -11,7 +11,7 @@ from tqdm import tqdm
 
 from floquet.branches import branches
 from floquet.coupling import DOUBT, Candidate, candidates
-from floquet.monodromy import member_at, monodromy
+from floquet.monodromy import is_unstable, member_at
 from floquet.multipliers import Kind
 from floquet.names import Name, Namer, resonances
 from floquet.outline import Column, Loop, Place, components, crossings, loops
@@ -21,13 +21,15 @@ from periodic import SystemFamily
 from periodic.checks import FloatArray, interval, one_of, real_array, real_number, workers
 
 # Columns before any refinement. Regions narrower than the distance between them are looked for at their resonances.
-COLUMNS = 160
+COLUMNS = 128
 # Narrow regions are followed up to this many such distances.
 WIDE = 2.0
 # Regions that are nowhere wider than this part of the tolerance are left out.
 NARROWEST = 0.01
 # A region that is no longer narrow at this part of the height of the window is left to the columns.
 SOON = 0.05
+# Amplitudes at which a resonance is compared with the wide regions.
+PROBES = 8
 # No more resonances than these are followed: at low Omega and large eps there is no end of them.
 MOST = 200
 # Levels at which the width of a region is measured.
@@ -184,18 +186,18 @@ def _narrow(
     """Return the resonances whose regions may be narrow and are not yet known to belong to wide ones."""
     (low, high), (bottom, top) = Omega_range, eps_range
     widest = WIDE * (high - low) / COLUMNS
-    chosen = []
-    for one in expected:
-        end = reach(one, top, widest)
-        if not low - widest < one.name.centre < high + widest or end < bottom + SOON * (top - bottom):
-            continue
-        if one.width < NARROWEST * tolerance * (high - low) / DOUBT:
-            continue
-        levels = np.linspace(bottom, end, 8)[1:]
-        known = np.any([region.contains(one.name.centre, levels) for region in wide], axis=0) if wide else False
-        if not np.all(known):
-            chosen.append(one)
-    return chosen[:MOST]
+    narrowest = NARROWEST * tolerance * (high - low) / DOUBT
+    near = [one for one in expected if one.width >= narrowest and low - widest < one.name.centre < high + widest]
+    tall = [one for one in near if reach(one, top, widest) >= bottom + SOON * (top - bottom)]
+    if not tall:
+        return []
+    centres = np.array([one.name.centre for one in tall])[:, None]
+    ends = np.array([reach(one, top, widest) for one in tall])[:, None]
+    levels = bottom + (ends - bottom) * np.linspace(0, 1, PROBES + 1)[1:]
+    known = np.zeros(levels.shape, dtype=bool)
+    for region in wide:
+        known |= region.contains(centres, levels)
+    return [one for one, inside in zip(tall, known.all(axis=1), strict=True) if not inside][:MOST]
 
 
 def _joined(
@@ -215,7 +217,7 @@ def _joined(
             names = old.resonances if tongue.name in old.resonances else (*old.resonances, tongue.name)
             tip = min(old.tip, tip, key=lambda place: place[1])
             regions[parent] = replace(old, outlines=(*old.outlines, loop), resonances=names, tip=tip)
-        elif _width([loop]) >= narrowest and monodromy(family, *tongue.witness).kind > Kind.STABLE:
+        elif _width([loop]) >= narrowest and is_unstable(family, *tongue.witness, tongue.modes):
             regions.append(Region((loop,), (tongue.name,), tip, tongue.witness))
     return regions
 
@@ -241,7 +243,7 @@ def _region(
         return None
     c, i = max(places, key=lambda place: columns[place[0]][place[1]].high - columns[place[0]][place[1]].low)
     witness = (float(Omega[c]), (columns[c][i].low + columns[c][i].high) / 2)
-    if monodromy(family, *witness).kind <= Kind.STABLE:
+    if not is_unstable(family, *witness):
         return None
     lowest = int(outlines[0].eps.argmin())
     tip = (float(outlines[0].Omega[lowest]), float(outlines[0].eps[lowest]))

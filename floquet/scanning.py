@@ -3,27 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from functools import partial
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from joblib import Parallel, delayed
 
-from floquet.column import SAFETY, least_frequency, log2_steps, multipliers, steps_needed
-from floquet.coordinates import blocks, equations
+from floquet.column import LEAST_STEPS, SAFETY, least_frequency, log2_steps, multipliers, steps_needed
+from floquet.coordinates import Block, blocks, equations
+from floquet.exponents import edge, modes_symplectic
+from floquet.exponents import modes as modes_general
 from floquet.multipliers import Kind
 from floquet.outline import Column, Interval, links
 from floquet.sampling import Sampler, Workspace
 from floquet.threads import single_blas_thread
-from floquet.verdict import Cells, combine, dominant, dominant_symplectic, judge
+from floquet.verdict import dominant, dominant_symplectic, judge
 from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import FloatArray
 
 # Amplitudes in the window; an end of an interval is interpolated between two of them.
-AMPLITUDES = 128
-# Error of the multipliers, as `floquet.column` has it; an edge is off by about as much. `steps_needed` aims lower.
-ERROR = 1e-9
+AMPLITUDES = 96
+# Error of the multipliers, as `floquet.column` has it, and the steps that it takes as a part of those that
+# `steps_needed` finds for an error of 1e-10: of fourth order. What is wide enough for a scan is far more unstable.
+ERROR = 1e-7
+FEWER = 0.25
 # Slabs are halved down to this part of the tolerance.
 FINEST = 0.5
 # Enough columns to hide joblib's overhead, few enough to balance the load.
@@ -36,7 +39,7 @@ class Scan:
     def __init__(self, family: SystemFamily, Omega_range: tuple[float, float], eps: FloatArray, n_jobs: Any) -> None:
         self.family, self.eps = family, eps
         few = np.array([Omega_range[0], sum(Omega_range) / 2, Omega_range[1]])
-        self.steps = steps_needed([family.at(float(w)) for w in few], few, eps)
+        self.steps = max(FEWER * steps_needed([family.at(float(w)) for w in few], few, eps), LEAST_STEPS)
         self.parallel = Parallel(n_jobs=n_jobs, prefer="threads", batch_size=1)
         self.columns: dict[float, Column] = {}
 
@@ -140,53 +143,48 @@ def _intervals(
     systems: Sequence[PeriodicSystem], Omega: Sequence[float], eps: FloatArray, steps: float
 ) -> list[Column]:
     """Return the unstable intervals of some columns."""
-    work, found = Workspace(), []
+    work = Workspace()
     with single_blas_thread():
-        for system, frequency in zip(systems, Omega, strict=True):
-            cells = _cells(system, frequency, eps, steps, work)
-            found.append(intervals(eps, cells.log_modulus, cells.kind))
-    return found
+        return [
+            union([_of_block(block, frequency, eps, steps, work) for block in blocks(system)])
+            for system, frequency in zip(systems, Omega, strict=True)
+        ]
 
 
-def _cells(system: PeriodicSystem, Omega: float, eps: FloatArray, steps: float, work: Workspace) -> Cells:
-    """Return a column of a chart without measuring its error, which would double the cost.
+def _of_block(block: Block, Omega: float, eps: FloatArray, steps: float, work: Workspace) -> Column:
+    """Return the unstable intervals of a column of a block, without measuring its error, which would double the cost.
 
     The steps are short enough for it to be below ERROR; every region is verified by `floquet.monodromy` in the end.
     """
-    cells = []
-    for block in blocks(system):
-        sampler = Sampler(block, equations(block, least_frequency(Omega)), Omega, work)
-        mu, scale = multipliers(sampler, eps, log2_steps(block, Omega, eps, steps), ERROR)
-        found = dominant_symplectic if block.symplectic else partial(dominant, reversible=block.reversible)
-        error = SAFETY * ERROR * scale.losses
-        cells.append(judge(found(mu, scale.exponents), error, block.symplectic or block.reversible))
-    return combine(cells)
-
-
-def intervals(eps: FloatArray, growth: FloatArray, kind: Any) -> Column:
-    """Return the unstable intervals of a column from its growth rates and kinds (k,)."""
+    sampler = Sampler(block, equations(block, least_frequency(Omega)), Omega, work)
+    mu, (exponents, losses) = multipliers(sampler, eps, log2_steps(block, Omega, eps, steps), ERROR)
+    conservative = block.symplectic or block.reversible
+    if block.symplectic:
+        found, modes = dominant_symplectic(mu, exponents), modes_symplectic(mu, exponents)
+    else:
+        found, modes = dominant(mu, exponents, block.reversible), modes_general(mu, exponents)
+    kind = judge(found, SAFETY * ERROR * losses, conservative).kind
     unstable = np.concatenate([[False], kind > Kind.STABLE, [False]])
     starts = np.flatnonzero(~unstable[:-1] & unstable[1:]).tolist()
     stops = (np.flatnonzero(unstable[:-1] & ~unstable[1:]) - 1).tolist()
     column = []
     for first, last in zip(starts, stops, strict=True):
-        low = eps[0] if first == 0 else _end(eps, growth, first - 1, first, min(first + 1, last))
-        high = eps[-1] if last == len(eps) - 1 else _end(eps, growth, last + 1, last, max(last - 1, first))
+        low, high = eps[first], eps[last]
+        if first > 0:
+            low = edge(modes, eps, first - 1, first, min(first + 1, last), conservative)
+        if last < len(eps) - 1:
+            high = edge(modes, eps, last + 1, last, max(last - 1, first), conservative)
         column.append(Interval(float(low), float(high), int(kind[first]), int(kind[last])))
     return column
 
 
-def _end(eps: FloatArray, growth: FloatArray, outside: int, inside: int, further: int) -> float:
-    """Return where the growth rate is zero between two neighbouring amplitudes.
-
-    Where two multipliers coalesce, the growth above the common decay outside rises like a square root, so that
-    its square is a straight line through the two points inside.
-    """
-    decay = min(growth[outside], 0.0)
-    near, far = (growth[inside] - decay) ** 2, (growth[further] - decay) ** 2
-    a, b = eps[outside], eps[inside]
-    if far > near:
-        end = b - (near - decay**2) * (eps[further] - b) / (far - near)
-        if min(a, b) <= end <= max(a, b):
-            return float(end)
-    return float((a + b) / 2)
+def union(columns: Sequence[Column]) -> Column:
+    """Return the unstable intervals of a system from those of its blocks."""
+    joined: Column = []
+    for one in sorted(interval for column in columns for interval in column):
+        if joined and one.low <= joined[-1].high:
+            if one.high > joined[-1].high:
+                joined[-1] = joined[-1]._replace(high=one.high, high_kind=one.high_kind)
+        else:
+            joined.append(one)
+    return joined

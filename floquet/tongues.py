@@ -26,9 +26,9 @@ from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import FloatArray
 
 # Amplitudes below the window and in it, dense enough to extrapolate exponents from one to the next.
-BELOW, LEVELS = 32, 64
-# Error of the multipliers.
-ERROR = 1e-9
+BELOW, LEVELS = 32, 48
+# Error of the multipliers, as a part of the expected f, and at least and at most.
+ACCURACY, FINEST, COARSEST = 1e-2, 1e-10, 1e-7
 # Candidates that share their work space.
 A_TASK = 4
 # Columns placed in the middle of a region, at most; each shows where to place the next.
@@ -42,6 +42,8 @@ FARTHEST = 0.1
 NEAR = 2.0
 # Levels in a row at which a fit may fail, where one of the modes meets a third one in passing.
 GAP = 4
+# Where nothing could be followed, part of the width up to which it is tried once more.
+CROWDED = 0.25
 TINY = 1e-30
 
 
@@ -49,7 +51,8 @@ class Tongue(NamedTuple):
     """A narrow region: its edges ``lower`` and ``upper`` in Omega at the amplitudes ``eps``, arrays (k,), from its tip
     upwards.
 
-    ``witness`` is an (Omega, eps) at which the multipliers of a column are unstable.
+    ``witness`` is an (Omega, eps) at which the multipliers of a column are unstable, those of a block with so many
+    ``modes``.
     """
 
     name: Name
@@ -57,6 +60,7 @@ class Tongue(NamedTuple):
     lower: FloatArray
     upper: FloatArray
     witness: tuple[float, float]
+    modes: int
 
 
 class _Fit(NamedTuple):
@@ -82,7 +86,8 @@ def trace_tongues(
     """Return the narrow regions that start at the candidates, up to where they are ``widest`` in Omega, meet others, or
     leave ``eps_range``.
 
-    ``steps`` is that of `floquet.column.chart_block`, ``parallel`` a `joblib.Parallel`.
+    ``steps`` in a cycle of the fastest motion give multipliers with an error of COARSEST; ``parallel`` is a
+    `joblib.Parallel`.
     """
     batches = [candidates[i : i + A_TASK] for i in range(0, len(candidates), A_TASK)]
     found = parallel(delayed(_tongues)(family, batch, eps_range, widest, steps) for batch in batches)
@@ -97,9 +102,15 @@ def reach(candidate: Candidate, top: float, widest: float) -> float:
 def _tongues(
     family: SystemFamily, candidates: Sequence[Candidate], eps_range: tuple[float, float], widest: float, steps: float
 ) -> list[Tongue | None]:
-    work = Workspace()
+    work, found = Workspace(), []
     with single_blas_thread():
-        return [_tongue(family, candidate, eps_range, widest, steps, work) for candidate in candidates]
+        for candidate in candidates:
+            tongue = _tongue(family, candidate, eps_range, widest, steps, work)
+            lower = CROWDED * min(candidate.width, widest)
+            if tongue is None and reach(candidate, eps_range[1], lower) > eps_range[0]:  # others may be near further up
+                tongue = _tongue(family, candidate, eps_range, lower, steps, work)
+            found.append(tongue)
+    return found
 
 
 def _tongue(
@@ -110,24 +121,38 @@ def _tongue(
     steps: float,
     work: Workspace,
 ) -> Tongue | None:
+    """Return the region of a candidate, or its lower part; None if there is none that can be followed."""
     bottom, end = eps_range[0], reach(candidate, eps_range[1], widest)
     below = np.linspace(0.0, bottom, BELOW, endpoint=False)[: BELOW * (bottom > 0)]
     eps = np.concatenate([below, np.linspace(bottom, end, LEVELS + 1)])
     centre, half = candidate.name.centre, min(candidate.width, widest) / 2
-    nodes = {Omega: _column(family, candidate, Omega, eps, steps, work) for Omega in (centre - half, centre + half)}
+    nodes: dict[float, FloatArray] = {}
+
+    def add(Omega: float) -> None:
+        nodes[Omega] = _column(family, candidate, Omega, eps, steps, work)
+
+    add(centre - half)
+    add(centre + half)
     fit, met, reached = _fit(nodes, candidate, np.full(len(eps), centre)), None, 0
     for _ in range(TRIALS):
         last = _end(fit.sound)
         middle = float(fit.centre[last - 1])
         if last <= max(len(below), 2, reached) or middle in nodes:
             break
-        nodes[middle] = _column(family, candidate, middle, eps, steps, work)
+        add(middle)
         fit = _fit(nodes, candidate, fit.centre)
         if (nodes[middle][len(below) :] > 0).any():
             met, reached = middle, last
             if last == len(eps):
                 break
-    return None if met is None else _outline(candidate, eps, len(below), fit, nodes, met)
+    if met is not None:
+        found = _outline(candidate, eps, len(below), fit, nodes, met)
+        if found is not None and found.lower[0] == found.upper[0] and found.eps[0] > 0:  # a tip: to be measured
+            add(float(found.lower[0]))
+            fit = _fit(nodes, candidate, fit.centre)
+            found = _outline(candidate, eps, len(below), fit, nodes, met)
+        return found
+    return None
 
 
 def _column(
@@ -136,7 +161,9 @@ def _column(
     """Return the test function of a candidate in one column, (k,)."""
     block = _block(family.at(Omega), candidate)
     sampler = Sampler(block, equations(block, least_frequency(Omega)), Omega, work)
-    mu, scale = multipliers(sampler, eps, log2_steps(block, Omega, eps, steps), ERROR)
+    error = min(max(ACCURACY * _expected(candidate, eps)[1][-1], FINEST), COARSEST)
+    finer = (COARSEST / error) ** 0.25  # fourth order
+    mu, scale = multipliers(sampler, eps, log2_steps(block, Omega, eps, steps * finer), error)
     found = (modes_symplectic if block.symplectic else modes)(mu, scale.exponents)
     conservative = block.symplectic or block.reversible
     name, start = candidate.name, candidate.home.exponents.imag * (2 * np.pi / Omega)
@@ -208,7 +235,7 @@ def _outline(
         at, centre, half = np.append(tip, at), np.append(centre[0], centre), np.append(0.0, half)
     column = np.where(np.isfinite(nodes[middle]), nodes[middle], -np.inf)[first:]
     witness = (middle, float(eps[first + int(column.argmax())]))
-    return Tongue(candidate.name, at, centre - half, centre + half, witness)
+    return Tongue(candidate.name, at, centre - half, centre + half, witness, len(candidate.home.exponents))
 
 
 def _end(sound: NDArray[np.bool_]) -> int:
