@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from tqdm import tqdm
 
 from floquet.branches import branches
-from floquet.coupling import DOUBT, Candidate, candidates
+from floquet.coupling import Candidate, candidates
 from floquet.monodromy import is_unstable, member_at
 from floquet.multipliers import Kind
 from floquet.names import Name, Namer, resonances
@@ -186,7 +186,7 @@ def _narrow(
     """Return the resonances whose regions may be narrow and are not yet known to belong to wide ones."""
     (low, high), (bottom, top) = Omega_range, eps_range
     widest = WIDE * (high - low) / COLUMNS
-    narrowest = NARROWEST * tolerance * (high - low) / DOUBT
+    narrowest = NARROWEST * tolerance * (high - low)
     near = [one for one in expected if one.width >= narrowest and low - widest < one.name.centre < high + widest]
     tall = [one for one in near if reach(one, top, widest) >= bottom + SOON * (top - bottom)]
     if not tall:
@@ -217,7 +217,7 @@ def _joined(
             names = old.resonances if tongue.name in old.resonances else (*old.resonances, tongue.name)
             tip = min(old.tip, tip, key=lambda place: place[1])
             regions[parent] = replace(old, outlines=(*old.outlines, loop), resonances=names, tip=tip)
-        elif _width([loop]) >= narrowest and is_unstable(family, *tongue.witness, tongue.modes):
+        elif (tongue.upper - tongue.lower).max() >= narrowest and is_unstable(family, *tongue.witness, tongue.modes):
             regions.append(Region((loop,), (tongue.name,), tip, tongue.witness))
     return regions
 

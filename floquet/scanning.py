@@ -93,8 +93,8 @@ class _Slabs:
         pairs = self.links[c]
         left, right = [i for i, _ in pairs], [k for _, k in pairs]
         # an interval without neighbours may be a region too narrow to be followed: one column close by decides
-        ends = [i for i in range(len(self.columns[c])) if i not in left and not self._is_thin(c, i)]
-        begins = [k for k in range(len(self.columns[c + 1])) if k not in right and not self._is_thin(c + 1, k)]
+        ends = [i for i in range(len(self.columns[c])) if i not in left and not self._is_settled(c, i, 1)]
+        begins = [k for k in range(len(self.columns[c + 1])) if k not in right and not self._is_settled(c + 1, k, -1)]
         if ends and all(self._is_alone(c, i) for i in ends) and not begins:
             return [self.Omega[c] + self.finest]
         if ends or (begins and not all(self._is_alone(c + 1, k) for k in begins)):
@@ -112,6 +112,37 @@ class _Slabs:
         """Whether an interval is alone although a column is close by."""
         widths = np.diff(self.Omega[max(c - 1, 0) : c + 2])
         return self._is_alone(c, i) and bool(widths.min() <= 1.5 * self.finest)
+
+    def _is_settled(self, c: int, i: int, step: int) -> bool:
+        """Whether it is known well enough where an interval ends on its way to column c + step."""
+        return self._is_thin(c, i) or self._is_foreseen(c, i, step)
+
+    def _is_foreseen(self, c: int, i: int, step: int) -> bool:
+        """Whether the edges of an interval meet before column c + step if they go on from the last columns, with a
+        curvature that moves the place by less than the tolerance: most of all, an edge meets that of the window."""
+        places = [c]
+        chain = [i]
+        for _ in range(2):
+            a = places[-1] - step
+            if not 0 <= a < len(self.columns):
+                return False
+            pairs = self.links[min(a, places[-1])]
+            inner = [k if step < 0 else j for j, k in pairs if (j if step < 0 else k) == chain[-1]]
+            if len(inner) != 1:
+                return False
+            places.append(a)
+            chain.append(inner[0])
+        x = np.abs(self.Omega[places] - self.Omega[c]) / self.units[0]
+        y = np.array([self.columns[a][k][:2] for a, k in zip(places, chain, strict=True)]) / self.units[1]
+        width = y[:, 1] - y[:, 0]
+        if not width[1] > width[0]:
+            return False
+        way = width[0] * x[1] / (width[1] - width[0])
+        if way > abs(self.Omega[c + step] - self.Omega[c]) / self.units[0]:
+            return False
+        slope = np.diff(y, axis=0) / np.diff(x)[:, None]
+        off = np.abs(slope[1] - slope[0]) / x[2] * way * (way + x[1])
+        return bool((off <= self.tolerance * np.hypot(1, slope[0])).all())
 
     def _bends(self, c: int) -> bool:
         """Whether an edge that goes through slab ``c`` is further from a straight line than the tolerance."""

@@ -26,7 +26,7 @@ from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import FloatArray
 
 # Amplitudes below the window and in it, dense enough to extrapolate exponents from one to the next.
-BELOW, LEVELS = 32, 48
+BELOW, LEVELS = 32, 47
 # Error of the multipliers, as a part of the expected f, and at least and at most.
 ACCURACY, FINEST, COARSEST = 1e-2, 1e-10, 1e-7
 # Candidates that share their work space.
@@ -234,7 +234,8 @@ def _outline(
         tip = at[0] - part * (eps[start] - eps[start - 1])
         at, centre, half = np.append(tip, at), np.append(centre[0], centre), np.append(0.0, half)
     column = np.where(np.isfinite(nodes[middle]), nodes[middle], -np.inf)[first:]
-    witness = (middle, float(eps[first + int(column.argmax())]))
+    level = len(column) - 1 if column[-1] > 0.5 * column.max() else int(column.argmax())  # the same for many
+    witness = (middle, float(eps[first + level]))
     return Tongue(candidate.name, at, centre - half, centre + half, witness, len(candidate.home.exponents))
 
 
