@@ -11,22 +11,26 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from floquet.verdict import ComplexArray, exponent
 from periodic.checks import FloatArray
 
 # Multipliers of a conservative system this far from the unit circle, in log|mu|, have left it.
 ROUNDING = 1e-6
-# While two modes are unstable together both have one angle; this part of what each would have had tells them apart.
+# While two modes are unstable together both have one angle; this part of how each moved before tells them apart.
 LEAN = 1e-3
+# An angle that is this far from the one expected makes extrapolation begin anew.
+SURPRISE = 0.3
+# Modes that decay by a factor of more than exp(DEAD) in one period are not followed.
+DEAD = 8.0
 
 
 class Exponents(NamedTuple):
     """log mu of n modes in k cells of a block, arrays (k, n).
 
     ``angle`` is the imaginary part, continuous along eps. ``modulus`` is the real part, or the mean of both for a mode
-    whose two multipliers are real; ``split`` is half their difference, 0 elsewhere. While two modes are unstable
-    together, or one with itself, their angles are those that they would have had without each other.
+    whose two multipliers are real; ``split`` is half their difference, 0 elsewhere.
     """
 
     angle: FloatArray
@@ -55,7 +59,7 @@ def modes(mu: ComplexArray, exponents: FloatArray) -> Exponents:
     """Return the exponents of the modes of any block from its multipliers 2^exponents[c] mu[c, i], mu of shape (k, 2n),
     angles in [0, pi].
 
-    Of the real multipliers of one sign the largest and the smallest are taken for those of one mode.
+    Of the real multipliers of one sign the two largest are taken for those of one mode, the next two for another.
     """
     k, n = mu.shape[0], mu.shape[1] // 2
     angle, modulus, split = np.zeros((k, n)), np.zeros((k, n)), np.zeros((k, n))
@@ -65,7 +69,7 @@ def modes(mu: ComplexArray, exponents: FloatArray) -> Exponents:
             real = np.sort(np.array([np.log(max(abs(z), 1e-300)) for z in mu[c] if z.imag == 0.0 and z.real * sign > 0]))
             for i in range(real.size // 2):
                 if used < n:
-                    low, high = real[i], real[real.size - 1 - i]
+                    low, high = real[real.size - 2 - 2 * i], real[real.size - 1 - 2 * i]
                     modulus[c, used], split[c, used] = shift + (low + high) / 2, (high - low) / 2
                     angle[c, used] = 0.0 if sign > 0 else np.pi
                     used += 1
@@ -77,41 +81,63 @@ def modes(mu: ComplexArray, exponents: FloatArray) -> Exponents:
 
 
 @njit(cache=True, nogil=True)
-def follow(found: Exponents, eps: FloatArray, start: FloatArray, conservative: bool) -> Exponents:
-    """Return ``found`` sorted into modes, whose angles at the first amplitude, eps[0] = 0, are ``start`` (n,)."""
+def _nearest(
+    angle: FloatArray, modulus: FloatArray, alive: NDArray[np.intp], angles: FloatArray, moduli: FloatArray
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return the modes ``alive``, expected at ``angle`` + i ``modulus``, and what was found for each: the nearest pair
+    first."""
+    count, n = alive.size, angles.size
+    distance = np.empty((count, n))
+    for a in range(count):
+        distance[a] = (angles - angle[alive[a]]) ** 2 + (moduli - modulus[alive[a]]) ** 2
+    order, ranks = np.empty(count, np.intp), np.empty(count, np.intp)
+    for r in range(count):
+        best = int(distance.argmin())
+        a, f = best // n, best % n
+        order[r], ranks[r] = alive[a], f
+        distance[a, :], distance[:, f] = np.inf, np.inf
+    return order, ranks
+
+
+@njit(cache=True, nogil=True)
+def follow(found: Exponents, eps: FloatArray, start: ComplexArray, conservative: bool) -> Exponents:
+    """Return ``found`` sorted into modes, whose log mu at the first amplitude, eps[0] = 0, are ``start`` (n,).
+
+    Modes that are damped out within a period have no multipliers but rounding, and are left as they start.
+    """
     k, n = found.angle.shape
+    alive = np.flatnonzero(start.real > -DEAD)
     angle, modulus, split = np.zeros((k, n)), np.zeros((k, n)), np.zeros((k, n))
-    locked, seen, expected = np.zeros(n, np.bool_), np.zeros(n), start.copy()
+    angle[:], modulus[:] = start.imag, start.real
+    expected, rate, free = start.imag.copy(), np.zeros(n), np.full(n, 3)
     for c in range(k):
-        if c > 2:
-            x, x0, x1, x2 = eps[c], eps[c - 3], eps[c - 2], eps[c - 1]
-            expected = angle[c - 3] * ((x - x1) * (x - x2) / ((x0 - x1) * (x0 - x2)))
-            expected += angle[c - 2] * ((x - x0) * (x - x2) / ((x1 - x0) * (x1 - x2)))
-            expected += angle[c - 1] * ((x - x0) * (x - x1) / ((x2 - x0) * (x2 - x1)))
-        elif c == 2:  # shifts begin with eps^2
-            expected = angle[0] + (angle[1] - angle[0]) * (eps[2] / eps[1]) ** 2
+        for i in alive:
+            if c > 2 and free[i] > 2:
+                x, x0, x1, x2 = eps[c], eps[c - 3], eps[c - 2], eps[c - 1]
+                expected[i] = angle[c - 3, i] * ((x - x1) * (x - x2) / ((x0 - x1) * (x0 - x2)))
+                expected[i] += angle[c - 2, i] * ((x - x0) * (x - x2) / ((x1 - x0) * (x1 - x2)))
+                expected[i] += angle[c - 1, i] * ((x - x0) * (x - x1) / ((x2 - x0) * (x2 - x1)))
+                rate[i] = expected[i] - angle[c - 1, i]
+            elif c == 2:  # shifts begin with eps^2
+                expected[i] = angle[0, i] + (angle[1, i] - angle[0, i]) * (eps[2] / eps[1]) ** 2
+            elif c > 0:  # not far from where it was, to the side to which it moved when it was free
+                expected[i] = angle[c - 1, i] + LEAN * rate[i]
         folded = np.abs((expected + np.pi) % (2 * np.pi) - np.pi)
-        for i in range(n):
-            if locked[i]:  # it still is, or has just got free to the side to which it would have gone
-                if c > 1:
-                    rate = (angle[c - 1, i] - angle[c - 2, i]) / (eps[c - 1] - eps[c - 2])
-                    expected[i] = angle[c - 1, i] + rate * (eps[c] - eps[c - 1])
-                folded[i] = seen[i] + LEAN * (np.abs((expected[i] + np.pi) % (2 * np.pi) - np.pi) - seen[i])
-        order, ranks = np.argsort(folded), np.argsort(found.angle[c])
-        for r in range(n):
+        if conservative:
+            order, ranks = alive[np.argsort(folded[alive])], np.argsort(found.angle[c])
+        else:
+            order, ranks = _nearest(folded, modulus[max(c - 1, 0)], alive, found.angle[c], found.modulus[c])
+        for r in range(alive.size):
             i, f = order[r], ranks[r]
-            seen[i] = theta = found.angle[c, f]
-            modulus[c, i], split[c, i] = found.modulus[c, f], found.split[c, f]
-            locked[i] = split[c, i] > 0.0 or (conservative and abs(modulus[c, i]) > ROUNDING)
-            if locked[i]:
-                angle[c, i] = expected[i]
-                continue
+            theta = found.angle[c, f]
             turns = 2 * np.pi * np.round(expected[i] / (2 * np.pi))
             best = turns + theta
             for other in (turns - theta, turns + theta - 2 * np.pi, turns - theta + 2 * np.pi):
                 if abs(other - expected[i]) < abs(best - expected[i]):
                     best = other
-            angle[c, i] = best
+            angle[c, i], modulus[c, i], split[c, i] = best, found.modulus[c, f], found.split[c, f]
+            locked = split[c, i] > 0.0 or (conservative and abs(modulus[c, i]) > ROUNDING)
+            free[i] = 0 if locked or abs(best - expected[i]) > SURPRISE else free[i] + 1
     return Exponents(angle, modulus, split)
 
 

@@ -33,13 +33,15 @@ ACCURACY, FINEST, COARSEST = 1e-2, 1e-10, 1e-7
 A_TASK = 4
 # Columns placed in the middle of a region, at most; each shows where to place the next.
 TRIALS = 4
+# Columns placed at a tip above eps = 0, at most.
+TIPS = 2
 # The curvature of f in Omega is that of two modes with constant frequencies, but for this factor.
 CURVATURE = 2.0
 # A vertex further from the resonance than this part of its frequency is none.
 FARTHEST = 0.1
-# The height of a parabola counts where a column is within this many half widths of its vertex. The others are to low
-# orders in eps.
-NEAR = 2.0
+# The height of a parabola counts where a column is inside the region, or that near to its vertex, as part of the square
+# of the half width. The others follow from those above, as to low orders in eps.
+NEAR = 0.25
 # Levels in a row at which a fit may fail, where one of the modes meets a third one in passing.
 GAP = 4
 # Where nothing could be followed, part of the width up to which it is tried once more.
@@ -145,14 +147,16 @@ def _tongue(
             met, reached = middle, last
             if last == len(eps):
                 break
-    if met is not None:
+    if met is None:
+        return None
+    found = _outline(candidate, eps, len(below), fit, nodes, met)
+    for _ in range(TIPS):
+        if found is None or found.lower[0] < found.upper[0] or found.eps[0] == 0 or found.lower[0] in nodes:
+            break
+        add(float(found.lower[0]))  # a tip, which damping lifts: to be measured
+        fit = _fit(nodes, candidate, fit.centre)
         found = _outline(candidate, eps, len(below), fit, nodes, met)
-        if found is not None and found.lower[0] == found.upper[0] and found.eps[0] > 0:  # a tip: to be measured
-            add(float(found.lower[0]))
-            fit = _fit(nodes, candidate, fit.centre)
-            found = _outline(candidate, eps, len(below), fit, nodes, met)
-        return found
-    return None
+    return found
 
 
 def _column(
@@ -166,7 +170,7 @@ def _column(
     mu, scale = multipliers(sampler, eps, log2_steps(block, Omega, eps, steps * finer), error)
     found = (modes_symplectic if block.symplectic else modes)(mu, scale.exponents)
     conservative = block.symplectic or block.reversible
-    name, start = candidate.name, candidate.home.exponents.imag * (2 * np.pi / Omega)
+    name, start = candidate.name, candidate.home.exponents * (2 * np.pi / Omega)
     followed = follow(found, eps, start, conservative)
     return test_function(followed, candidate.p, candidate.q, name.j, name.sign, conservative)
 
@@ -213,11 +217,13 @@ def _outline(
             values[beyond] = values[b] + part * (values[b] - values[a])
         last = len(eps)
     free, expected = _expected(candidate, eps)
-    distance = np.abs(np.array(list(nodes))[:, None] - centre).min(axis=0)
+    distance = np.abs(np.array(list(nodes))[:, None] - centre)
+    nearest = np.array(list(nodes.values()))[distance.argmin(axis=0), levels]
+    measured = (nearest > 0) | (distance.min(axis=0) ** 2 < NEAR * np.abs(square))
     above = None
     for k in range(last - 1, -1, -1):
-        if square[k] > 0 and distance[k] <= NEAR * np.sqrt(square[k]):
-            above = k
+        if measured[k]:
+            above = k if height[k] > 0 else above
         elif above is None:
             last = k
         else:
