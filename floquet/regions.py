@@ -25,7 +25,7 @@ COLUMNS = 128
 # Narrow regions are followed up to this many such distances.
 WIDE = 2.0
 # Regions that are nowhere wider than this part of the tolerance are left out.
-NARROWEST = 0.01
+NARROWEST = 0.02
 # A region that is no longer narrow at this part of the height of the window is left to the columns.
 SOON = 0.05
 # Amplitudes at which a resonance is compared with the wide regions.
@@ -150,7 +150,8 @@ def trace_regions(
     )
     scan = Scan(family, (low, high), eps, n_jobs)
     base = np.linspace(low, high, COLUMNS + 1)
-    expected = candidates(member, names, top)
+    spare = WIDE * width / COLUMNS
+    expected = candidates(member, [name for name in names if low - spare < name.centre < high + spare], top)
     feet = [one.name.centre for one in expected if one.width > width / COLUMNS and one.name.j <= 2]
     with tqdm(total=4, unit="stage", disable=None if progress is None else not progress) as bar:
         scan.add([*base, *(foot for foot in feet if low < foot < high)])
@@ -187,8 +188,7 @@ def _narrow(
     (low, high), (bottom, top) = Omega_range, eps_range
     widest = WIDE * (high - low) / COLUMNS
     narrowest = NARROWEST * tolerance * (high - low)
-    near = [one for one in expected if one.width >= narrowest and low - widest < one.name.centre < high + widest]
-    tall = [one for one in near if reach(one, top, widest) >= bottom + SOON * (top - bottom)]
+    tall = [one for one in expected if one.width >= narrowest and reach(one, top, widest) >= bottom + SOON * (top - bottom)]
     if not tall:
         return []
     centres = np.array([one.name.centre for one in tall])[:, None]
