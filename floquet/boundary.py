@@ -130,7 +130,8 @@ def trace_boundary(family: SystemFamily, near: float, eps: ArrayLike) -> Boundar
     errors = np.array([e for _, _, e in found])
     for array in (amplitudes, kind, edges, merged, errors):
         array.setflags(write=False)
-    return BoundaryTrace(near, resonance, amplitudes, *edges.T, *errors.T, *merged.T, kind)
+    (lower, upper), (lower_error, upper_error), (left, right) = edges.T, errors.T, merged.T
+    return BoundaryTrace(near, resonance, amplitudes, lower, upper, lower_error, upper_error, left, right, kind)
 
 
 class _Station(NamedTuple):

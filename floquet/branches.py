@@ -48,7 +48,7 @@ def branches(tongues: Sequence[Tongue], wide: Sequence[Contains], window: tuple[
                     sides = np.insert(sides, 0 if end == 0 else sides.shape[1], corner, axis=1)
             if sides.shape[1] > 1:
                 parent = after if after >= 0 else before
-                found.append(Branch(tongue, _loop(tongue, *sides, window), parent if parent >= 0 else None))
+                found.append(Branch(tongue, _loop(tongue, sides, window), parent if parent >= 0 else None))
     return found
 
 
@@ -77,8 +77,9 @@ def _cut(levels: FloatArray, inner: int, outer: int, contains: Contains) -> Floa
     return np.asarray(between[:, int(inside.argmax()) if inside.any() else -1])
 
 
-def _loop(tongue: Tongue, eps: FloatArray, lower: FloatArray, upper: FloatArray, window: tuple[float, float]) -> Loop:
-    """Return the outline, counterclockwise."""
+def _loop(tongue: Tongue, sides: FloatArray, window: tuple[float, float]) -> Loop:
+    """Return the outline, counterclockwise, from amplitudes and edges (3, k)."""
+    eps, lower, upper = sides
     Omega = np.clip(np.concatenate([upper, lower[::-1]]), *window)
     kind = np.full(len(Omega), tongue.name.kind, dtype=np.int8)
     loop = Loop(Omega, np.concatenate([eps, eps[::-1]]), kind)

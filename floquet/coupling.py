@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquet.column import least_frequency
 from floquet.coordinates import Block, blocks, equations
 from floquet.names import Name
 from floquet.resonance import SLOWEST
@@ -55,11 +56,11 @@ class Candidate(NamedTuple):
     width: float
 
 
-def homes(system: PeriodicSystem) -> list[Home]:
-    """Return the blocks of a system with their modes."""
+def homes(system: PeriodicSystem, least: float) -> list[Home]:
+    """Return the blocks of a system with their modes; ``least`` is that of `equations`."""
     found = []
     for block in blocks(system):
-        values = np.linalg.eigvals(equations(block, SLOWEST * block.rate).A)
+        values = np.linalg.eigvals(equations(block, least).A)
         values = values[values.imag > SLOWEST * block.rate]
         values = values[np.argsort(values.imag)]
         found.append(Home(block, np.concatenate([np.zeros(len(block.K) - len(values)), values])))
@@ -68,38 +69,42 @@ def homes(system: PeriodicSystem) -> list[Home]:
 
 def candidates(system: PeriodicSystem, names: Sequence[Name], eps: float) -> list[Candidate]:
     """Return the resonances that damping may leave open at the amplitude ``eps``, the widest first."""
-    all_homes = homes(system)
+    if not names:
+        return []
+    least = least_frequency(min(name.centre for name in names))
+    all_homes = homes(system, least)
     omega = np.sort(np.concatenate([home.exponents.imag for home in all_homes]))
     omega = omega[omega > 0]
     found = []
     for home in all_homes:
-        spectrum = home.exponents
+        own = {n + 1: _mode(home.exponents, frequency) for n, frequency in enumerate(omega)}
         for j in sorted({name.j for name in names}):
-            some = [(name, _mode(spectrum, omega, name.p), _mode(spectrum, omega, name.q)) for name in names if name.j == j]
-            some = [(name, p, q) for name, p, q in some if p is not None and q is not None]
+            some = [name for name in names if name.j == j and own.get(name.p, -1) >= 0 and own.get(name.q, -1) >= 0]
             if not some:
                 continue
-            first = np.array([spectrum[p] for _, p, _ in some])
-            second = np.array([spectrum[q].conj() if name.sign > 0 else spectrum[q] for name, _, q in some])
-            growth = couplings(home.block, first, second, j, np.array([name.centre for name, *_ in some]), eps)
-            is_open = DOUBT * growth > np.sqrt(np.maximum(first.real * second.real, 0.0))
+            first = home.exponents[[own[name.p] for name in some]]
+            second = home.exponents[[own[name.q] for name in some]]
+            second = np.where([name.sign > 0 for name in some], second.conj(), second)
+            centres = np.array([name.centre for name in some])
+            growth = couplings(home.block, least, first, second, j, centres, eps)
+            is_open = np.isfinite(growth) & (DOUBT * growth > np.sqrt(np.maximum(first.real * second.real, 0.0)))
             found += [
-                Candidate(name, home, p, q, eps, float(4 / j * rate))
-                for (name, p, q), rate, keep in zip(some, growth, is_open, strict=True)
-                if keep and np.isfinite(rate)
+                Candidate(name, home, own[name.p], own[name.q], eps, float(4 / j * rate))
+                for name, rate, keep in zip(some, growth, is_open, strict=True)
+                if keep
             ]
     return sorted(found, key=lambda candidate: -candidate.width)
 
 
 def couplings(
-    block: Block, first: ComplexArray, second: ComplexArray, j: int, Omega: FloatArray, eps: float
+    block: Block, least: float, first: ComplexArray, second: ComplexArray, j: int, Omega: FloatArray, eps: float
 ) -> FloatArray:
     """Return the largest growth rates (count,), but for damping, of some resonances of number ``j`` at ``eps``.
 
-    ``first`` and ``second`` (count,) are the exponents of the two states, ``Omega`` (count,) the frequencies at which
+    ``least`` is that of `equations`, ``first`` and ``second`` (count,) are the exponents of the two states, ``Omega`` (count,) the frequencies at which
     they differ by i j Omega.
     """
-    y, b = equations(block, SLOWEST * block.rate), len(block.K)
+    y, b = equations(block, least), len(block.K)
     Lambda, V = np.linalg.eig(y.A)
     G = {}
     for k, (Fc, Fs) in enumerate(zip(block.Fc, block.Fs, strict=True), 1):
@@ -142,10 +147,8 @@ def _arriving(
     return total
 
 
-def _mode(exponents: ComplexArray, omega: FloatArray, number: int) -> int | None:
-    """Return the place among ``exponents`` of the mode that has a number, from 1, among all frequencies ``omega``."""
-    if number > len(omega):
-        return None
-    distance = np.abs(exponents.imag - omega[number - 1])
+def _mode(exponents: ComplexArray, frequency: float) -> int:
+    """Return the place of a mode among ``exponents``, -1 if it is not there."""
+    distance = np.abs(exponents.imag - frequency)
     nearest = int(distance.argmin())
-    return nearest if distance[nearest] <= SAME * omega[number - 1] else None
+    return nearest if distance[nearest] <= SAME * frequency else -1

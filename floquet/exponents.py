@@ -66,7 +66,9 @@ def modes(mu: ComplexArray, exponents: FloatArray) -> Exponents:
     for c in range(k):
         shift, used = exponents[c] * np.log(2.0), 0
         for sign in (1.0, -1.0):
-            real = np.sort(np.array([np.log(max(abs(z), 1e-300)) for z in mu[c] if z.imag == 0.0 and z.real * sign > 0]))
+            real = np.sort(
+                np.array([np.log(max(abs(z), 1e-300)) for z in mu[c] if z.imag == 0.0 and z.real * sign > 0])
+            )
             for i in range(real.size // 2):
                 if used < n:
                     low, high = real[real.size - 2 - 2 * i], real[real.size - 1 - 2 * i]

@@ -12,7 +12,6 @@ from tqdm import tqdm
 from floquet.branches import branches
 from floquet.coupling import Candidate, candidates
 from floquet.monodromy import is_unstable, member_at
-from floquet.multipliers import Kind
 from floquet.names import Name, Namer, resonances
 from floquet.outline import Column, Loop, Place, components, crossings, loops
 from floquet.scanning import AMPLITUDES, Scan
@@ -188,7 +187,9 @@ def _narrow(
     (low, high), (bottom, top) = Omega_range, eps_range
     widest = WIDE * (high - low) / COLUMNS
     narrowest = NARROWEST * tolerance * (high - low)
-    tall = [one for one in expected if one.width >= narrowest and reach(one, top, widest) >= bottom + SOON * (top - bottom)]
+    tall = [
+        one for one in expected if one.width >= narrowest and reach(one, top, widest) >= bottom + SOON * (top - bottom)
+    ]
     if not tall:
         return []
     centres = np.array([one.name.centre for one in tall])[:, None]
@@ -197,7 +198,7 @@ def _narrow(
     known = np.zeros(levels.shape, dtype=bool)
     for region in wide:
         known |= region.contains(centres, levels)
-    return [one for one, inside in zip(tall, known.all(axis=1), strict=True) if not inside][:MOST]
+    return [tall[i] for i in np.flatnonzero(~known.all(axis=1))][:MOST]
 
 
 def _joined(

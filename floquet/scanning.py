@@ -29,7 +29,7 @@ ERROR = 1e-7
 FEWER = 0.25
 # Slabs are halved down to this part of the tolerance.
 FINEST = 0.5
-# Where a region ends beyond the next column, edges often bend most: there, they may be off by this part of the tolerance.
+# Next to where a region ends its edges bend most: there, they may be off by this part of the tolerance.
 ONE_SIDED = 0.25
 # Enough columns to hide joblib's overhead, few enough to balance the load.
 COLUMNS_A_TASK = 8
