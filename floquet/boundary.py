@@ -29,8 +29,8 @@ MOST_TRIALS = 40
 OPEN_LIKENESS, CLOSED_LIKENESS = 0.5, 0.8
 # What f may differ from zero by at an edge, compared with its value inside.
 LARGEST_JUMP = 1e-6
-# Where the pair is lost, the next step is this part of the last.
-SHORTER = 0.25
+# Where the pair is lost, the next step is this part of the last, a few times.
+SHORTER, MOST_LOSSES = 0.25, 3
 # An edge is looked for between these multiples of the frequency of resonance.
 LOWEST, HIGHEST = 0.2, 5.0
 
@@ -107,8 +107,9 @@ def trace_boundary(family: SystemFamily, near: float, eps: ArrayLike) -> Boundar
     top is found by interpolation, however narrow the region, and its zeros by Brent's method.
 
     The edges are those of the pair: beyond them another one may still be unstable. Where regions have merged the edge
-    between them is missing, and ``lower_merged`` or ``upper_merged`` says so. An undamped system that is neither conservative nor reversible may grow outside its resonances, if
-    slowly (of order eps^2), and then its regions have no edges.
+    between them is missing, and ``lower_merged`` or ``upper_merged`` says so. An undamped system that is neither
+    conservative nor reversible may grow outside its resonances, if slowly (of order eps^2), and then its regions have
+    no edges.
     """
     near = real_number("near", near, positive=True)
     amplitudes = real_array("eps", eps if isinstance(eps, list | tuple) else np.atleast_1d(eps), 1)
@@ -244,12 +245,12 @@ class _Route:
         Outwards from one point to the next, each time with the pair at the last point as reference, until f < 0. Where
         the pair is lost on the way, or what is found beyond is not the same pair, in shorter steps.
         """
-        a, beyond = inside, np.nan
+        a, beyond, losses = inside, np.nan, 0
         step, most = 1.2 * np.sqrt(a.value) / self._scale(a.Omega), np.inf
         for _ in range(MOST_TRIALS):
             if not LOWEST < a.Omega / self.resonance.centre < HIGHEST:
                 return NO_EDGE
-            if most < 10 * RESOLUTION * a.Omega:
+            if losses > MOST_LOSSES:
                 break
             step = min(max(step, 10 * RESOLUTION * a.Omega), a.Omega / (8 * self.resonance.j), most)
             try:
@@ -257,7 +258,7 @@ class _Route:
                 if b.value <= 0:
                     return _Edge(self._zero(eps, a, b), False)
             except LostError:
-                beyond = a.Omega + side * step
+                beyond, losses = a.Omega + side * step, losses + 1
                 most = SHORTER * step
                 continue
             # where f falls, not much further than to the zero of the secant: beyond may be another region

@@ -101,8 +101,8 @@ def couplings(
 ) -> FloatArray:
     """Return the largest growth rates (count,), but for damping, of some resonances of number ``j`` at ``eps``.
 
-    ``least`` is that of `equations`, ``first`` and ``second`` (count,) are the exponents of the two states, ``Omega`` (count,) the frequencies at which
-    they differ by i j Omega.
+    ``first`` and ``second`` (count,) are the exponents of the two states, ``Omega`` (count,) the frequencies at which
+    they differ by i j Omega; ``least`` is that of `equations`.
     """
     y, b = equations(block, least), len(block.K)
     Lambda, V = np.linalg.eig(y.A)

@@ -182,10 +182,7 @@ def edge(found: Exponents, eps: FloatArray, outside: int, inside: int, further: 
     at = angle[inside, top]
     for r in range(3):
         c = (inside, further, outside)[r]
-        if r < 2:
-            first = int((modulus[c] + split[c]).argmax())
-        else:
-            first = int(np.abs(angle[c] - at).argmin())
+        first = int((modulus[c] + split[c]).argmax()) if r < 2 else int(np.abs(angle[c] - at).argmin())
         if single:
             total, apart = 2 * modulus[c, first], 2 * (angle[c, first] - at)
             values[r] = split[c, first] ** 2 - apart**2 / 4 - total**2 / 4

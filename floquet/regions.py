@@ -155,7 +155,7 @@ def trace_regions(
     with tqdm(total=4, unit="stage", disable=None if progress is None else not progress) as bar:
         scan.add([*base, *(foot for foot in feet if low < foot < high)])
         bar.update()
-        scan.refine((width, top - bottom), tolerance)
+        scan.refine((width, top - bottom), bottom, tolerance)
         bar.update()
         Omega, columns = scan.ordered()
         namer = Namer(family, Omega, columns, names, tolerance * width)

@@ -31,6 +31,8 @@ FEWER = 0.25
 FINEST = 0.5
 # Next to where a region ends its edges bend most: there, they may be off by this part of the tolerance.
 ONE_SIDED = 0.25
+# A column is placed no nearer to another one than this part of the slab.
+NOT_NEARER = 0.05
 # Enough columns to hide joblib's overhead, few enough to balance the load.
 COLUMNS_A_TASK = 8
 
@@ -61,16 +63,16 @@ class Scan:
         Omega = sorted(self.columns)
         return np.array(Omega), [self.columns[w] for w in Omega]
 
-    def refine(self, units: tuple[float, float], tolerance: float) -> None:
+    def refine(self, units: tuple[float, float], bottom: float, tolerance: float) -> None:
         """Halve the slabs between columns until straight lines describe the edges.
 
         ``units`` are the ranges of Omega and eps that count alike; ``tolerance`` is the largest distance of an edge
-        from the straight line, as part of them.
+        from the straight line, as part of them. Above eps = ``bottom`` is what will be seen.
         """
         finest = FINEST * tolerance * units[0]
         while True:
             Omega, columns = self.ordered()
-            slabs = _Slabs(Omega, columns, units, tolerance, finest)
+            slabs = _Slabs(Omega, columns, units, bottom, tolerance, finest)
             wide = np.flatnonzero(np.diff(Omega) > 1.5 * finest).tolist()
             if not self.add(place for c in wide for place in slabs.place(c)):
                 return
@@ -84,10 +86,12 @@ class _Slabs:
         Omega: FloatArray,
         columns: Sequence[Column],
         units: tuple[float, float],
+        bottom: float,
         tolerance: float,
         finest: float,
     ) -> None:
-        self.Omega, self.columns, self.units, self.tolerance, self.finest = Omega, columns, units, tolerance, finest
+        self.Omega, self.columns, self.units = Omega, columns, units
+        self.bottom, self.tolerance, self.finest = bottom, tolerance, finest
         self.links = [links(left, right) for left, right in pairwise(columns)]
 
     def place(self, c: int) -> list[float]:
@@ -103,7 +107,18 @@ class _Slabs:
             return [(self.Omega[c] + self.Omega[c + 1]) / 2]
         if len(set(left)) < len(left) or len(set(right)) < len(right) or self._bends(c):
             return [(self.Omega[c] + self.Omega[c + 1]) / 2]
-        return []
+        return self._appearances(c)
+
+    def _appearances(self, c: int) -> list[float]:
+        """Return where edges go through the bottom of the window, far from both columns."""
+        places = []
+        for i, k in self.links[c]:
+            for a, b in zip(self.columns[c][i][:2], self.columns[c + 1][k][:2], strict=True):
+                if min(a, b) < self.bottom < max(a, b):
+                    part = min(max((self.bottom - a) / (b - a), NOT_NEARER), 1 - NOT_NEARER)
+                    if abs(b - a) * min(part, 1 - part) > self.tolerance * self.units[1]:
+                        places.append(self.Omega[c] + part * (self.Omega[c + 1] - self.Omega[c]))
+        return places
 
     def _is_alone(self, c: int, i: int) -> bool:
         before = c > 0 and any(k == i for _, k in self.links[c - 1])
