@@ -31,6 +31,8 @@ OPEN_LIKENESS, CLOSED_LIKENESS = 0.5, 0.8
 LARGEST_JUMP = 1e-6
 # Where the pair is lost, the next step is this part of the last, a few times.
 SHORTER, MOST_LOSSES = 0.25, 3
+# A zero of a smooth f takes about 8 iterations, a jump 30.
+MOST_ITERATIONS = 20
 # An edge is looked for between these multiples of the frequency of resonance.
 LOWEST, HIGHEST = 0.2, 5.0
 
@@ -277,7 +279,12 @@ class _Route:
                 values[Omega] = self.pair.at(Omega, eps, inside.solutions).value
             return values[Omega]
 
-        zero = float(brentq(value, inside.Omega, outside.Omega, xtol=RESOLUTION * inside.Omega))
+        try:
+            zero = float(
+                brentq(value, inside.Omega, outside.Omega, xtol=RESOLUTION * inside.Omega, maxiter=MOST_ITERATIONS)
+            )
+        except RuntimeError:  # nothing but halving: a jump
+            raise LostError from None
         # f must vanish on both sides of the zero; where it jumps, another pair has taken over
         nearness = 10 * RESOLUTION * zero / max(abs(zero - inside.Omega), RESOLUTION * zero)
         jumps = min(map(abs, values.values())) > (LARGEST_JUMP + nearness) * inside.value
