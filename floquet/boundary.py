@@ -53,9 +53,10 @@ class BoundaryTrace:
         Edges in Omega; NaN where the region is closed or cannot be followed, or on the side on which it has no edge.
     lower_error, upper_error : ndarray, shape (k,)
         Estimated errors of the edges; NaN where they are.
-    lower_merged, upper_merged : ndarray of bool, shape (k,)
-        Where an open region has no edge on that side because it has merged with another one: the system is unstable at
-        the place at which the pair of multipliers can no longer be told from others.
+    lower_meeting, upper_meeting : ndarray, shape (k,)
+        Where an open region has no edge on that side because it has merged with another one, the Omega at which the
+        other one takes over: the last at which the pair of multipliers could be told from others; beyond, the system is
+        unstable. NaN elsewhere.
     kind : ndarray of int8, shape (k,)
         `Kind` of the instability; STABLE where the region is closed, UNDECIDED where the pair of multipliers has mixed
         with others so much that it cannot be told from them (regions that have merged).
@@ -68,8 +69,8 @@ class BoundaryTrace:
     upper: FloatArray
     lower_error: FloatArray
     upper_error: FloatArray
-    lower_merged: NDArray[np.bool_]
-    upper_merged: NDArray[np.bool_]
+    lower_meeting: FloatArray
+    upper_meeting: FloatArray
     kind: NDArray[np.int8]
 
     @property
@@ -109,7 +110,7 @@ def trace_boundary(family: SystemFamily, near: float, eps: ArrayLike) -> Boundar
     top is found by interpolation, however narrow the region, and its zeros by Brent's method.
 
     The edges are those of the pair: beyond them another one may still be unstable. Where regions have merged the edge
-    between them is missing, and ``lower_merged`` or ``upper_merged`` says so. An undamped system that is neither
+    between them is missing, and ``lower_meeting`` or ``upper_meeting`` says where. An undamped system that is neither
     conservative nor reversible may grow outside its resonances, if slowly (of order eps^2), and then its regions have
     no edges.
     """
@@ -129,11 +130,11 @@ def trace_boundary(family: SystemFamily, near: float, eps: ArrayLike) -> Boundar
     found = [route.edges(float(amplitude)) for amplitude in amplitudes]
     kind = np.array([k for k, _, _ in found], dtype=np.int8)
     edges = np.array([[edge.Omega for edge in sides] for _, sides, _ in found])
-    merged = np.array([[edge.merged for edge in sides] for _, sides, _ in found])
+    meetings = np.array([[edge.meeting for edge in sides] for _, sides, _ in found])
     errors = np.array([e for _, _, e in found])
-    for array in (amplitudes, kind, edges, merged, errors):
+    for array in (amplitudes, kind, edges, meetings, errors):
         array.setflags(write=False)
-    (lower, upper), (lower_error, upper_error), (left, right) = edges.T, errors.T, merged.T
+    (lower, upper), (lower_error, upper_error), (left, right) = edges.T, errors.T, meetings.T
     return BoundaryTrace(near, resonance, amplitudes, lower, upper, lower_error, upper_error, left, right, kind)
 
 
@@ -146,13 +147,13 @@ class _Station(NamedTuple):
 
 
 class _Edge(NamedTuple):
-    """One edge: NaN if there is none, and whether that is because the region has merged with another one."""
+    """One edge, or the place at which a region that has merged with this one takes over; NaN for what there is not."""
 
-    Omega: float
-    merged: bool
+    Omega: float = np.nan
+    meeting: float = np.nan
 
 
-NO_EDGE = _Edge(np.nan, False)
+NO_EDGE = _Edge()
 
 
 class _Route:
@@ -258,7 +259,7 @@ class _Route:
             try:
                 b = self.pair.at(a.Omega + side * step, eps, a.solutions)
                 if b.value <= 0:
-                    return _Edge(self._zero(eps, a, b), False)
+                    return _Edge(self._zero(eps, a, b))
             except LostError:
                 beyond, losses = a.Omega + side * step, losses + 1
                 most = SHORTER * step
@@ -268,7 +269,8 @@ class _Route:
             step = min(1.6 * step, 1.2 * b.value / fall) if fall > 0 else 1.6 * step
             most = most if np.isnan(beyond) else abs(beyond - b.Omega) / 2
             a = b
-        return _Edge(np.nan, not np.isnan(beyond) and is_unstable(self.family, beyond, eps))
+        merged = losses > 0 and is_unstable(self.family, beyond, eps)
+        return _Edge(meeting=a.Omega) if merged else NO_EDGE
 
     def _zero(self, eps: float, inside: Point, outside: Point) -> float:
         """Return the zero of f between two points."""

@@ -100,9 +100,10 @@ def test_a_region_that_has_merged_says_so():
     zero = np.zeros((2, 2))
     pair = PeriodicSystem(np.eye(2), zero, zero, np.diag([1.0, 1.5]), cosine=[[[1.0, 0.5], [0.5, 1.0]]])
     trace = trace_boundary(pair, 2.0, [0.4, 0.5])
-    assert trace.upper_merged.tolist() == [False, True]
-    assert not trace.lower_merged.any()
     assert np.isfinite(trace.upper).tolist() == [True, False]
+    assert np.isfinite(trace.upper_meeting).tolist() == [False, True]
+    assert np.isnan(trace.lower_meeting).all()
+    assert 2.2 < trace.upper_meeting[1] < 2.5  # between the resonances 2 omega_1 and 2 omega_2
     # apart, there is a stable gap up to the next region; merged, there is none
     following = trace_boundary(pair, math.sqrt(1.0) + math.sqrt(1.5), [0.4])
     assert monodromy(pair, (trace.upper[0] + following.lower[0]) / 2, 0.4).kind == Kind.STABLE
