@@ -45,8 +45,9 @@ class Region:
     ----------
     outlines : tuple of Loop
         Closed polylines with arrays ``Omega``, ``eps`` and ``kind`` (k,): the outer one first, then those round stable
-        islands. The first corner is not repeated at the end. ``kind`` is the `Kind` of the instability just inside.
-        Where the region goes on beyond the window, the polyline follows the edge of the window.
+        islands, then those of its narrow branches, in which the region goes on to its resonances. The first corner is
+        not repeated at the end. ``kind`` is the `Kind` of the instability just inside. Where the region goes on beyond
+        the window, the polyline follows the edge of the window.
     resonances : tuple of Name
         The resonances that the region starts from, several if regions have merged; empty if none explains it.
     tip : (float, float)
@@ -114,8 +115,7 @@ def trace_regions(
         The window, 0 < Omega and 0 <= eps.
     tolerance : float
         Largest distance between a polyline and the true edge, as part of the window's width and height. Regions that
-        are nowhere wider in Omega than this part of the window are left out. (Those nowhere wider than 1/320 of the
-        window may be missed whatever the tolerance: give a narrower window to look for them.)
+        are nowhere wider in Omega than a fiftieth of this part of the window are left out.
     n_jobs : int or None
         Workers, as in `stability_chart`.
     progress : bool or None
@@ -130,6 +130,13 @@ def trace_regions(
     ------
     ValueError
         If an argument has the wrong type or sign, is out of range, not finite or empty.
+
+    Notes
+    -----
+    Wide regions are what 128 columns of the window meet, and as many more as their edges need. Narrower ones, which
+    pass between the columns, are looked for at the resonances j Omega = omega_p ± omega_q, j <= 8, and followed from
+    there (`floquet.tongues`). A narrow region may be missed if it starts at none of these, or where it is crowded by
+    others. Every region has a witness, integrated by the method of `monodromy`.
     """
     low, high = interval("Omega_range", Omega_range)
     real_number("Omega_range[0]", low, positive=True)
