@@ -156,7 +156,7 @@ def trace_regions(
     )
     scan = Scan(family, (low, high), eps, n_jobs)
     base = np.linspace(low, high, COLUMNS + 1)
-    spare = WIDE * width / COLUMNS
+    spare = width / COLUMNS
     expected = candidates(member, [name for name in names if low - spare < name.centre < high + spare], top)
     feet = [one.name.centre for one in expected if one.width > width / COLUMNS and one.name.j <= 2]
     with tqdm(total=4, unit="stage", disable=None if progress is None else not progress) as bar:
