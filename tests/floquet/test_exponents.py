@@ -54,14 +54,16 @@ def test_two_modes_that_lock_are_told_apart_afterwards() -> None:
 def test_damped_modes_cross_by_their_decay() -> None:
     angle = np.array([4.0, 4.5]) + EPS[:, None] ** 2 * [1.0, 0.0]
     modulus = np.zeros_like(angle) - [0.1, 0.9]
-    dead = np.full((len(EPS), 1), -30.0)  # no more than rounding: its angle is noise
+    # no more than rounding: angle and modulus are noise
     noise = np.random.default_rng(1).uniform(0, np.pi, (len(EPS), 1))
+    dead = -8.5 - 20 * noise
     found = follow(
         shuffled(np.hstack([angle, noise]), np.hstack([modulus, dead]), np.zeros((len(EPS), 3))),
         EPS,
         np.array([-0.1 + 4.0j, -0.9 + 4.5j, -30 + 1j]),
         False,
     )
+    assert found.modulus[:, 2] == pytest.approx(-30.0)  # left as it starts
     np.testing.assert_allclose(found.angle[:, :2], angle, atol=1e-12)
     np.testing.assert_allclose(found.modulus[:, :2], modulus, atol=1e-12)
 
