@@ -105,3 +105,15 @@ def test_an_edge_between_two_amplitudes(damping: float) -> None:
     # a parabola through amplitudes 1/32 apart
     assert low == pytest.approx(exact, abs=1e-4)
     assert edge(found, eps, inside - 1, inside, inside, block.symplectic) == pytest.approx(exact, abs=3e-3)
+
+
+@pytest.mark.kernel
+def test_the_edge_of_two_modes_of_unequal_damping_is_exact_where_f_is_a_parabola() -> None:
+    # lambda of [[-d1 + i s, k], [k, -d2 - i s]]: unstable from k^2 = d1 d2 (1 + (2 s / (d1 + d2))^2) on
+    d1, d2, s, eps = 0.1, 0.4, 0.05, np.linspace(0, 0.5, 21)
+    root = np.sqrt(((d2 - d1) / 2 + 1j * s) ** 2 + eps**2)
+    pair = -(d1 + d2) / 2 + np.column_stack([root, -root])
+    found = Exponents(1.0 + pair.imag, pair.real.copy(), np.zeros((21, 2)))
+    inside = int(np.flatnonzero(pair.real.max(axis=1) > 0)[0])
+    exact = np.sqrt(d1 * d2 * (1 + (2 * s / (d1 + d2)) ** 2))
+    assert edge(found, eps, inside - 1, inside, inside + 1, False) == pytest.approx(exact, abs=1e-9)
