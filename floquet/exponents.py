@@ -199,7 +199,8 @@ def edge(found: Exponents, eps: FloatArray, outside: int, inside: int, further: 
                 at = (angle[c, first] + angle[c, second]) / 2
     b, a = eps[inside], eps[outside]
     if not (values[0] > 0.0 and values[2] < 0.0):
-        return (a + b) / 2
+        met = conservative and 0.0 <= values[2] < ROUNDING  # at ``outside`` itself, but for rounding
+        return a if met else (a + b) / 2
     # inwards from outside: f = values[2] + slope x + bend x (x - 1), x = 1 at ``inside``
     slope, bend = values[0] - values[2], 0.0
     if further != inside:

@@ -31,6 +31,8 @@ SOON = 0.05
 PROBES = 8
 # No more resonances than these are followed: at low Omega and large eps there is no end of them.
 MOST = 200
+# A column at a resonance is placed no nearer to the others than this part of the window.
+APART = 1e-4
 # Levels at which the width of a region is measured.
 LEVELS = 64
 # Amplitudes below the window, on the way down to the resonances.
@@ -159,8 +161,9 @@ def trace_regions(
     spare = width / COLUMNS
     expected = candidates(member, [name for name in names if low - spare < name.centre < high + spare], top)
     feet = [one.name.centre for one in expected if one.width > width / COLUMNS and one.name.j <= 2]
+    feet = [foot for foot in feet if low < foot < high]
     with tqdm(total=4, unit="stage", disable=None if progress is None else not progress) as bar:
-        scan.add([*base, *(foot for foot in feet if low < foot < high)])
+        scan.add([*base, *(foot for foot in feet if np.abs(base - foot).min() > APART * width)])
         bar.update()
         scan.refine((width, top - bottom), bottom, tolerance)
         bar.update()

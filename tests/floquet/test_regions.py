@@ -251,3 +251,10 @@ def test_an_annulus_has_two_outlines() -> None:
     clear = (np.abs(radius - 1) > 0.06) & (np.abs(radius - 0.5) > 0.06)
     np.testing.assert_array_equal(region.contains(x, y)[clear], ((radius < 1) & (radius > 0.5))[clear])
     assert not region.explained
+
+
+def test_a_resonance_that_rounding_parts_from_a_column() -> None:
+    # Omega = 2 is in the middle of the window, but for rounding where the natural frequency is computed
+    regions = trace_regions(mathieu(1.0 + 4e-16), (1.0, 3.0), (0.0, 0.5), progress=False)
+    assert regions[-1].label == "2ω₁"
+    assert regions[-1].tip == pytest.approx((2.0, 0.0), abs=1e-9)
