@@ -246,19 +246,22 @@ def draw_traces(
 ) -> None:
     """Draw the edges found by integration as solid lines, the region between them shaded on request.
 
-    A line skips points at which an open region could not be followed, and breaks where the region is closed.
+    A line skips points at which an open region could not be followed, and breaks where the region is closed. Where it
+    has merged with another one it ends at the place where that takes over.
     """
     for trace in traces:
         closed = trace.kind == Kind.STABLE
-        for edge in (trace.lower, trace.upper):
+        lower = np.where(np.isnan(trace.lower), trace.lower_meeting, trace.lower)
+        upper = np.where(np.isnan(trace.upper), trace.upper_meeting, trace.upper)
+        for edge in (lower, upper):
             kept = closed | np.isfinite(edge)
             axes.plot(edge[kept], trace.eps[kept], color=colour, lw=width, zorder=3)
         if fill:
-            kept = closed | np.isfinite(trace.upper - trace.lower)
+            kept = closed | np.isfinite(upper - lower)
             axes.fill_betweenx(
                 trace.eps[kept],
-                trace.lower[kept],
-                trace.upper[kept],
+                lower[kept],
+                upper[kept],
                 where=~closed[kept],
                 color=colour,
                 alpha=0.15,

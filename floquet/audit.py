@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from floquet.monodromy import monodromy
 from floquet.multipliers import Kind
-from floquet.threads import single_blas_thread
 from periodic import PeriodicSystem
 from periodic.checks import FloatArray
 
@@ -74,8 +73,7 @@ def sample(error: FloatArray, size: int) -> NDArray[np.int64]:
 def integrate_again(system: PeriodicSystem, Omega: float, eps: float) -> tuple[float, float, int]:
     """Return log|mu| by `monodromy`, its estimated error and the verdict; NaN and undecided if `monodromy` refuses."""
     try:
-        with single_blas_thread():
-            found = monodromy(system, Omega, eps)
+        found = monodromy(system, Omega, eps)
     except ValueError:
         return float("nan"), float("nan"), int(Kind.UNDECIDED)
     return found.growth_rate * 2 * np.pi / Omega, found.log_modulus_error, int(found.kind)

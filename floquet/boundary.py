@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
-from floquet.monodromy import member_at
+from floquet.monodromy import is_unstable, member_at
 from floquet.multipliers import Kind
 from floquet.pair import ComplexArray, LostError, Pair, Point
 from floquet.resonance import Resonance, nearest_resonance
@@ -29,6 +29,10 @@ MOST_TRIALS = 40
 OPEN_LIKENESS, CLOSED_LIKENESS = 0.5, 0.8
 # What f may differ from zero by at an edge, compared with its value inside.
 LARGEST_JUMP = 1e-6
+# Where the pair is lost, the next step is this part of the last, a few times.
+SHORTER, MOST_LOSSES = 0.25, 3
+# A zero of a smooth f takes about 8 iterations, a jump 30.
+MOST_ITERATIONS = 20
 # An edge is looked for between these multiples of the frequency of resonance.
 LOWEST, HIGHEST = 0.2, 5.0
 
@@ -49,6 +53,10 @@ class BoundaryTrace:
         Edges in Omega; NaN where the region is closed or cannot be followed, or on the side on which it has no edge.
     lower_error, upper_error : ndarray, shape (k,)
         Estimated errors of the edges; NaN where they are.
+    lower_meeting, upper_meeting : ndarray, shape (k,)
+        Where an open region has no edge on that side because it has merged with another one, the Omega at which the
+        other one takes over: the last at which the pair of multipliers could be told from others; beyond, the system is
+        unstable. NaN elsewhere.
     kind : ndarray of int8, shape (k,)
         `Kind` of the instability; STABLE where the region is closed, UNDECIDED where the pair of multipliers has mixed
         with others so much that it cannot be told from them (regions that have merged).
@@ -61,6 +69,8 @@ class BoundaryTrace:
     upper: FloatArray
     lower_error: FloatArray
     upper_error: FloatArray
+    lower_meeting: FloatArray
+    upper_meeting: FloatArray
     kind: NDArray[np.int8]
 
     @property
@@ -99,9 +109,10 @@ def trace_boundary(family: SystemFamily, near: float, eps: ArrayLike) -> Boundar
     inside the region and negative outside (`floquet.pair.instability`). Near a resonance f is nearly a parabola: its
     top is found by interpolation, however narrow the region, and its zeros by Brent's method.
 
-    The edges are those of the pair: beyond them another one may still be unstable. Where regions have merged an edge
-    may be missing. An undamped system that is neither conservative nor reversible may grow outside its resonances, if
-    slowly (of order eps^2), and then its regions have no edges.
+    The edges are those of the pair: beyond them another one may still be unstable. Where regions have merged the edge
+    between them is missing, and ``lower_meeting`` or ``upper_meeting`` says where. An undamped system that is neither
+    conservative nor reversible may grow outside its resonances, if slowly (of order eps^2), and then its regions have
+    no edges.
     """
     near = real_number("near", near, positive=True)
     amplitudes = real_array("eps", eps if isinstance(eps, list | tuple) else np.atleast_1d(eps), 1)
@@ -117,12 +128,14 @@ def trace_boundary(family: SystemFamily, near: float, eps: ArrayLike) -> Boundar
             f"{amplitudes.max() * route.pair.strength:.3g}; give amplitudes below {MOST_STATIONS * route.spacing:.3g}"
         )
     found = [route.edges(float(amplitude)) for amplitude in amplitudes]
-    kind = np.array([k for k, _ in found], dtype=np.int8)
-    edges = np.array([e for _, e in found])
-    for array in (amplitudes, kind, edges):
+    kind = np.array([k for k, _, _ in found], dtype=np.int8)
+    edges = np.array([[edge.Omega for edge in sides] for _, sides, _ in found])
+    meetings = np.array([[edge.meeting for edge in sides] for _, sides, _ in found])
+    errors = np.array([e for _, _, e in found])
+    for array in (amplitudes, kind, edges, meetings, errors):
         array.setflags(write=False)
-    lower, upper, lower_error, upper_error = edges.T
-    return BoundaryTrace(near, resonance, amplitudes, lower, upper, lower_error, upper_error, kind)
+    (lower, upper), (lower_error, upper_error), (left, right) = edges.T, errors.T, meetings.T
+    return BoundaryTrace(near, resonance, amplitudes, lower, upper, lower_error, upper_error, left, right, kind)
 
 
 class _Station(NamedTuple):
@@ -133,35 +146,46 @@ class _Station(NamedTuple):
     solutions: ComplexArray
 
 
+class _Edge(NamedTuple):
+    """One edge, or the place at which a region that has merged with this one takes over; NaN for what there is not."""
+
+    Omega: float = np.nan
+    meeting: float = np.nan
+
+
+NO_EDGE = _Edge()
+
+
 class _Route:
     """One region followed from eps = 0 upwards."""
 
     def __init__(self, family: SystemFamily, resonance: Resonance) -> None:
+        self.family = family
         self.resonance = resonance
         self.pair = Pair(family, resonance)
         self.spacing = STATION / self.pair.strength if self.pair.strength else np.inf
         self.stations = [_Station(0.0, resonance.centre, resonance.solutions)]
 
-    def edges(self, eps: float) -> tuple[Kind, tuple[float, float, float, float]]:
+    def edges(self, eps: float) -> tuple[Kind, tuple[_Edge, _Edge], tuple[float, float]]:
         """Return the kind of the region at ``eps``, its edges and their errors."""
-        closed = (np.nan, np.nan, np.nan, np.nan)
+        none, closed = (np.nan, np.nan), (NO_EDGE, NO_EDGE)
         if not self.pair.coupled or eps == 0:
-            return Kind.STABLE, closed
+            return Kind.STABLE, closed, none
         try:
             self._advance(eps)
             expected, top = self._top(eps, exact=False)
         except LostError:
-            return Kind.UNDECIDED, closed
+            return Kind.UNDECIDED, closed, none
         likeness = min(self.pair.likeness(point, eps) for point in (expected, top))
         if likeness < (OPEN_LIKENESS if top.value > 0 else CLOSED_LIKENESS):
-            return Kind.UNDECIDED, closed
+            return Kind.UNDECIDED, closed, none
         if top.value <= 0:
-            return Kind.STABLE, closed
+            return Kind.STABLE, closed, none
         lower, upper = (self._edge(eps, top, side) for side in (-1, 1))
-        if upper - lower < 10 * RESOLUTION * top.Omega:
-            return Kind.STABLE, closed
-        lower_error, upper_error = self._error(eps, top, lower, upper), self._error(eps, top, upper, lower)
-        return _kind(top.multipliers), (lower, upper, lower_error, upper_error)
+        if upper.Omega - lower.Omega < 10 * RESOLUTION * top.Omega:
+            return Kind.STABLE, closed, none
+        errors = self._error(eps, top, lower.Omega, upper.Omega), self._error(eps, top, upper.Omega, lower.Omega)
+        return _kind(top.multipliers), (lower, upper), errors
 
     def _advance(self, eps: float) -> None:
         """Add the stations below ``eps``. They lie on a fixed ladder: no result depends on what else was asked for."""
@@ -218,28 +242,35 @@ class _Route:
         """Return d sqrt(-f) / d Omega far from the region: half of how fast the two multipliers turn apart."""
         return np.pi * self.resonance.j / Omega
 
-    def _edge(self, eps: float, inside: Point, side: int) -> float:
-        """Return the edge below (``side`` -1) or above (+1) a point inside; NaN if there is none or the pair is lost.
+    def _edge(self, eps: float, inside: Point, side: int) -> _Edge:
+        """Return the edge below (``side`` -1) or above (+1) a point inside.
 
-        Outwards from one point to the next, each time with the pair at the last point as reference, until f < 0.
+        Outwards from one point to the next, each time with the pair at the last point as reference, until f < 0. Where
+        the pair is lost on the way, or what is found beyond is not the same pair, in shorter steps.
         """
-        a = inside
-        step = 1.2 * np.sqrt(a.value) / self._scale(a.Omega)
-        try:
-            for _ in range(MOST_TRIALS):
-                step = min(max(step, 10 * RESOLUTION * a.Omega), a.Omega / (8 * self.resonance.j))
+        a, beyond, losses = inside, np.nan, 0
+        step, most = 1.2 * np.sqrt(a.value) / self._scale(a.Omega), np.inf
+        for _ in range(MOST_TRIALS):
+            if not LOWEST < a.Omega / self.resonance.centre < HIGHEST:
+                return NO_EDGE
+            if losses > MOST_LOSSES:
+                break
+            step = min(max(step, 10 * RESOLUTION * a.Omega), a.Omega / (8 * self.resonance.j), most)
+            try:
                 b = self.pair.at(a.Omega + side * step, eps, a.solutions)
                 if b.value <= 0:
-                    return self._zero(eps, a, b)
-                # where f falls, not much further than to the zero of the secant: beyond may be another region
-                fall = (a.value - b.value) / step
-                step = min(1.6 * step, 1.2 * b.value / fall) if fall > 0 else 1.6 * step
-                a = b
-                if not LOWEST < a.Omega / self.resonance.centre < HIGHEST:
-                    break
-        except LostError:
-            pass
-        return np.nan
+                    return _Edge(self._zero(eps, a, b))
+            except LostError:
+                beyond, losses = a.Omega + side * step, losses + 1
+                most = SHORTER * step
+                continue
+            # where f falls, not much further than to the zero of the secant: beyond may be another region
+            fall = (a.value - b.value) / step
+            step = min(1.6 * step, 1.2 * b.value / fall) if fall > 0 else 1.6 * step
+            most = most if np.isnan(beyond) else abs(beyond - b.Omega) / 2
+            a = b
+        merged = losses > 0 and is_unstable(self.family, beyond, eps)
+        return _Edge(meeting=a.Omega) if merged else NO_EDGE
 
     def _zero(self, eps: float, inside: Point, outside: Point) -> float:
         """Return the zero of f between two points."""
@@ -250,7 +281,12 @@ class _Route:
                 values[Omega] = self.pair.at(Omega, eps, inside.solutions).value
             return values[Omega]
 
-        zero = float(brentq(value, inside.Omega, outside.Omega, xtol=RESOLUTION * inside.Omega))
+        try:
+            zero = float(
+                brentq(value, inside.Omega, outside.Omega, xtol=RESOLUTION * inside.Omega, maxiter=MOST_ITERATIONS)
+            )
+        except RuntimeError:  # nothing but halving: a jump
+            raise LostError from None
         # f must vanish on both sides of the zero; where it jumps, another pair has taken over
         nearness = 10 * RESOLUTION * zero / max(abs(zero - inside.Omega), RESOLUTION * zero)
         jumps = min(map(abs, values.values())) > (LARGEST_JUMP + nearness) * inside.value

@@ -3,22 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from tqdm import tqdm
 
-from floquet.monodromy import member_at, monodromy
-from floquet.multipliers import Kind
+from floquet.branches import branches
+from floquet.coupling import Candidate, candidates
+from floquet.monodromy import is_unstable, member_at
 from floquet.names import Name, Namer, resonances
 from floquet.outline import Column, Loop, Place, components, crossings, loops
 from floquet.scanning import AMPLITUDES, Scan
+from floquet.tongues import Tongue, reach, trace_tongues
 from periodic import SystemFamily
 from periodic.checks import FloatArray, interval, one_of, real_array, real_number, workers
 
-# Columns before any refinement: a region that is nowhere wider than the distance between them may be missed.
-COLUMNS = 320
+# Columns before any refinement. Regions narrower than the distance between them are looked for at their resonances.
+COLUMNS = 128
+# Narrow regions are followed up to this many such distances.
+WIDE = 2.0
+# Regions that are nowhere wider than this part of the tolerance are left out.
+NARROWEST = 0.02
+# A region that is no longer narrow at this part of the height of the window is left to the columns.
+SOON = 0.05
+# Amplitudes at which a resonance is compared with the wide regions.
+PROBES = 8
+# No more resonances than these are followed: at low Omega and large eps there is no end of them.
+MOST = 200
+# A column at a resonance is placed no nearer to the others than this part of the window.
+APART = 1e-4
 # Levels at which the width of a region is measured.
 LEVELS = 64
 # Amplitudes below the window, on the way down to the resonances.
@@ -33,8 +47,9 @@ class Region:
     ----------
     outlines : tuple of Loop
         Closed polylines with arrays ``Omega``, ``eps`` and ``kind`` (k,): the outer one first, then those round stable
-        islands. The first corner is not repeated at the end. ``kind`` is the `Kind` of the instability just inside.
-        Where the region goes on beyond the window, the polyline follows the edge of the window.
+        islands, then those of its narrow branches, in which the region goes on to its resonances. The first corner is
+        not repeated at the end. ``kind`` is the `Kind` of the instability just inside. Where the region goes on beyond
+        the window, the polyline follows the edge of the window.
     resonances : tuple of Name
         The resonances that the region starts from, several if regions have merged; empty if none explains it.
     tip : (float, float)
@@ -102,8 +117,7 @@ def trace_regions(
         The window, 0 < Omega and 0 <= eps.
     tolerance : float
         Largest distance between a polyline and the true edge, as part of the window's width and height. Regions that
-        are nowhere wider in Omega than this part of the window are left out. (Those nowhere wider than 1/320 of the
-        window may be missed whatever the tolerance: give a narrower window to look for them.)
+        are nowhere wider in Omega than a fiftieth of this part of the window are left out.
     n_jobs : int or None
         Workers, as in `stability_chart`.
     progress : bool or None
@@ -118,6 +132,13 @@ def trace_regions(
     ------
     ValueError
         If an argument has the wrong type or sign, is out of range, not finite or empty.
+
+    Notes
+    -----
+    Wide regions are what 128 columns of the window meet, and as many more as their edges need. Narrower ones, which
+    pass between the columns, are looked for at the resonances j Omega = omega_p ± omega_q, j <= 8, and followed from
+    there (`floquet.tongues`). A narrow region may be missed if it starts at none of these, or where it is crowded by
+    others. Every region has a witness, integrated by the method of `monodromy`.
     """
     low, high = interval("Omega_range", Omega_range)
     real_number("Omega_range[0]", low, positive=True)
@@ -137,19 +158,79 @@ def trace_regions(
     )
     scan = Scan(family, (low, high), eps, n_jobs)
     base = np.linspace(low, high, COLUMNS + 1)
-    feet = [name.centre for name in names if name.j <= 2 and name.sign > 0 and low < name.centre < high]
-    with tqdm(total=3, unit="stage", disable=None if progress is None else not progress) as bar:
-        scan.add([*base, *feet])
+    spare = width / COLUMNS
+    expected = candidates(member, [name for name in names if low - spare < name.centre < high + spare], top)
+    feet = [one.name.centre for one in expected if one.width > width / COLUMNS and one.name.j <= 2]
+    feet = [foot for foot in feet if low < foot < high]
+    with tqdm(total=4, unit="stage", disable=None if progress is None else not progress) as bar:
+        scan.add([*base, *(foot for foot in feet if np.abs(base - foot).min() > APART * width)])
         bar.update()
-        scan.refine((width, top - bottom), tolerance)
+        scan.refine((width, top - bottom), bottom, tolerance)
         bar.update()
         Omega, columns = scan.ordered()
         namer = Namer(family, Omega, columns, names, tolerance * width)
         shown = [_above(column, bottom) for column in columns]
         found = (_region(family, Omega, shown, places, namer, tolerance * width) for places in components(shown))
-        regions = [region for region in found if region is not None]
+        wide = [region for region in found if region is not None]
+        bar.update()
+        narrow = trace_tongues(
+            family,
+            _narrow(expected, wide, (low, high), (bottom, top), tolerance),
+            (bottom, top),
+            WIDE * width / COLUMNS,
+            scan.steps,
+            n_jobs,
+        )
+        regions = _joined(family, wide, narrow, (low, high), NARROWEST * tolerance * width)
         bar.update()
     return sorted(regions, key=lambda region: region.tip[0])
+
+
+def _narrow(
+    expected: Sequence[Candidate],
+    wide: Sequence[Region],
+    Omega_range: tuple[float, float],
+    eps_range: tuple[float, float],
+    tolerance: float,
+) -> list[Candidate]:
+    """Return the resonances whose regions may be narrow and are not yet known to belong to wide ones."""
+    (low, high), (bottom, top) = Omega_range, eps_range
+    widest = WIDE * (high - low) / COLUMNS
+    narrowest = NARROWEST * tolerance * (high - low)
+    tall = [
+        one for one in expected if one.width >= narrowest and reach(one, top, widest) >= bottom + SOON * (top - bottom)
+    ]
+    if not tall:
+        return []
+    centres = np.array([one.name.centre for one in tall])[:, None]
+    ends = np.array([reach(one, top, widest) for one in tall])[:, None]
+    levels = bottom + (ends - bottom) * np.linspace(0, 1, PROBES + 1)[1:]
+    known = np.zeros(levels.shape, dtype=bool)
+    for region in wide:
+        known |= region.contains(centres, levels)
+    return [tall[i] for i in np.flatnonzero(~known.all(axis=1))][:MOST]
+
+
+def _joined(
+    family: SystemFamily,
+    wide: Sequence[Region],
+    narrow: Sequence[Tongue],
+    window: tuple[float, float],
+    narrowest: float,
+) -> list[Region]:
+    """Return the wide regions with the narrow ones that they go on in, and the narrow ones that stand alone."""
+    regions = list(wide)
+    for tongue, loop, parent in branches(narrow, [region.contains for region in wide], window):
+        lowest = int(loop.eps.argmin())
+        tip = (float(loop.Omega[lowest]), float(loop.eps[lowest]))
+        if parent is not None:
+            old = regions[parent]
+            names = old.resonances if tongue.name in old.resonances else (*old.resonances, tongue.name)
+            tip = min(old.tip, tip, key=lambda place: place[1])
+            regions[parent] = replace(old, outlines=(*old.outlines, loop), resonances=names, tip=tip)
+        elif (tongue.upper - tongue.lower).max() >= narrowest and is_unstable(family, *tongue.witness, tongue.modes):
+            regions.append(Region((loop,), (tongue.name,), tip, tongue.witness))
+    return regions
 
 
 def _above(column: Column, bottom: float) -> Column:
@@ -173,7 +254,7 @@ def _region(
         return None
     c, i = max(places, key=lambda place: columns[place[0]][place[1]].high - columns[place[0]][place[1]].low)
     witness = (float(Omega[c]), (columns[c][i].low + columns[c][i].high) / 2)
-    if monodromy(family, *witness).kind <= Kind.STABLE:
+    if not is_unstable(family, *witness):
         return None
     lowest = int(outlines[0].eps.argmin())
     tip = (float(outlines[0].Omega[lowest]), float(outlines[0].eps[lowest]))

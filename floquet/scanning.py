@@ -3,28 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from functools import partial
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from floquet.column import SAFETY, least_frequency, log2_steps, multipliers, steps_needed
-from floquet.coordinates import blocks, equations
+from floquet.column import LEAST_STEPS, SAFETY, least_frequency, log2_steps, multipliers, steps_needed
+from floquet.coordinates import Block, blocks, equations
+from floquet.exponents import edge, modes_symplectic
+from floquet.exponents import modes as modes_general
 from floquet.multipliers import Kind
 from floquet.outline import Column, Interval, links
 from floquet.parallel import spread
 from floquet.sampling import Sampler, Workspace
-from floquet.verdict import Cells, combine, dominant, dominant_symplectic, judge
+from floquet.verdict import dominant, dominant_symplectic, judge
 from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import FloatArray
 
 # Amplitudes in the window; an end of an interval is interpolated between two of them.
-AMPLITUDES = 128
-# Error of the multipliers, as `floquet.column` has it; an edge is off by about as much. `steps_needed` aims lower.
-ERROR = 1e-9
+AMPLITUDES = 96
+# Error of the multipliers, as `floquet.column` has it, and the steps that it takes as a part of those that
+# `steps_needed` finds for an error of 1e-10: of fourth order. What is wide enough for a scan is far more unstable.
+ERROR = 1e-7
+FEWER = 0.25
 # Slabs are halved down to this part of the tolerance.
 FINEST = 0.5
+# Next to where a region ends its edges bend most: there, they may be off by this part of the tolerance.
+ONE_SIDED = 0.25
+# A column is placed no nearer to another one than this part of the slab.
+NOT_NEARER = 0.05
 # Enough columns to hide joblib's overhead, few enough to balance the load.
 COLUMNS_A_TASK = 8
 
@@ -35,7 +42,7 @@ class Scan:
     def __init__(self, family: SystemFamily, Omega_range: tuple[float, float], eps: FloatArray, n_jobs: Any) -> None:
         self.family, self.eps = family, eps
         few = np.array([Omega_range[0], sum(Omega_range) / 2, Omega_range[1]])
-        self.steps = steps_needed([family.at(float(w)) for w in few], few, eps)
+        self.steps = max(FEWER * steps_needed([family.at(float(w)) for w in few], few, eps), LEAST_STEPS)
         self.n_jobs = n_jobs
         self.columns: dict[float, Column] = {}
 
@@ -53,16 +60,16 @@ class Scan:
         Omega = sorted(self.columns)
         return np.array(Omega), [self.columns[w] for w in Omega]
 
-    def refine(self, units: tuple[float, float], tolerance: float) -> None:
+    def refine(self, units: tuple[float, float], bottom: float, tolerance: float) -> None:
         """Halve the slabs between columns until straight lines describe the edges.
 
         ``units`` are the ranges of Omega and eps that count alike; ``tolerance`` is the largest distance of an edge
-        from the straight line, as part of them.
+        from the straight line, as part of them. Above eps = ``bottom`` is what will be seen.
         """
         finest = FINEST * tolerance * units[0]
         while True:
             Omega, columns = self.ordered()
-            slabs = _Slabs(Omega, columns, units, tolerance, finest)
+            slabs = _Slabs(Omega, columns, units, bottom, tolerance, finest)
             wide = np.flatnonzero(np.diff(Omega) > 1.5 * finest).tolist()
             if not self.add(place for c in wide for place in slabs.place(c)):
                 return
@@ -76,10 +83,12 @@ class _Slabs:
         Omega: FloatArray,
         columns: Sequence[Column],
         units: tuple[float, float],
+        bottom: float,
         tolerance: float,
         finest: float,
     ) -> None:
-        self.Omega, self.columns, self.units, self.tolerance, self.finest = Omega, columns, units, tolerance, finest
+        self.Omega, self.columns, self.units = Omega, columns, units
+        self.bottom, self.tolerance, self.finest = bottom, tolerance, finest
         self.links = [links(left, right) for left, right in pairwise(columns)]
 
     def place(self, c: int) -> list[float]:
@@ -87,15 +96,26 @@ class _Slabs:
         pairs = self.links[c]
         left, right = [i for i, _ in pairs], [k for _, k in pairs]
         # an interval without neighbours may be a region too narrow to be followed: one column close by decides
-        ends = [i for i in range(len(self.columns[c])) if i not in left and not self._is_thin(c, i)]
-        begins = [k for k in range(len(self.columns[c + 1])) if k not in right and not self._is_thin(c + 1, k)]
+        ends = [i for i in range(len(self.columns[c])) if i not in left and not self._is_settled(c, i, 1)]
+        begins = [k for k in range(len(self.columns[c + 1])) if k not in right and not self._is_settled(c + 1, k, -1)]
         if ends and all(self._is_alone(c, i) for i in ends) and not begins:
             return [self.Omega[c] + self.finest]
         if ends or (begins and not all(self._is_alone(c + 1, k) for k in begins)):
             return [(self.Omega[c] + self.Omega[c + 1]) / 2]
         if len(set(left)) < len(left) or len(set(right)) < len(right) or self._bends(c):
             return [(self.Omega[c] + self.Omega[c + 1]) / 2]
-        return []
+        return self._appearances(c)
+
+    def _appearances(self, c: int) -> list[float]:
+        """Return where edges go through the bottom of the window, far from both columns."""
+        places = []
+        for i, k in self.links[c]:
+            for a, b in zip(self.columns[c][i][:2], self.columns[c + 1][k][:2], strict=True):
+                if min(a, b) < self.bottom < max(a, b):
+                    part = min(max((self.bottom - a) / (b - a), NOT_NEARER), 1 - NOT_NEARER)
+                    if abs(b - a) * min(part, 1 - part) > self.tolerance * self.units[1]:
+                        places.append(self.Omega[c] + part * (self.Omega[c + 1] - self.Omega[c]))
+        return places
 
     def _is_alone(self, c: int, i: int) -> bool:
         before = c > 0 and any(k == i for _, k in self.links[c - 1])
@@ -106,6 +126,37 @@ class _Slabs:
         """Whether an interval is alone although a column is close by."""
         widths = np.diff(self.Omega[max(c - 1, 0) : c + 2])
         return self._is_alone(c, i) and bool(widths.min() <= 1.5 * self.finest)
+
+    def _is_settled(self, c: int, i: int, step: int) -> bool:
+        """Whether it is known well enough where an interval ends on its way to column c + step."""
+        return self._is_thin(c, i) or self._is_foreseen(c, i, step)
+
+    def _is_foreseen(self, c: int, i: int, step: int) -> bool:
+        """Whether the edges of an interval meet before column c + step if they go on from the last columns, with a
+        curvature that moves the place by less than the tolerance: most of all, an edge meets that of the window."""
+        places = [c]
+        chain = [i]
+        for _ in range(2):
+            a = places[-1] - step
+            if not 0 <= a < len(self.columns):
+                return False
+            pairs = self.links[min(a, places[-1])]
+            inner = [k if step < 0 else j for j, k in pairs if (j if step < 0 else k) == chain[-1]]
+            if len(inner) != 1:
+                return False
+            places.append(a)
+            chain.append(inner[0])
+        x = np.abs(self.Omega[places] - self.Omega[c]) / self.units[0]
+        y = np.array([self.columns[a][k][:2] for a, k in zip(places, chain, strict=True)]) / self.units[1]
+        width = y[:, 1] - y[:, 0]
+        if not width[1] > width[0]:
+            return False
+        way = width[0] * x[1] / (width[1] - width[0])
+        if way > abs(self.Omega[c + step] - self.Omega[c]) / self.units[0]:
+            return False
+        slope = np.diff(y, axis=0) / np.diff(x)[:, None]
+        off = np.abs(slope[1] - slope[0]) / x[2] * way * (way + x[1])
+        return bool((off <= self.tolerance * np.hypot(1, slope[0])).all())
 
     def _bends(self, c: int) -> bool:
         """Whether an edge that goes through slab ``c`` is further from a straight line than the tolerance."""
@@ -120,6 +171,9 @@ class _Slabs:
             x = self.Omega[[a for a, _ in chain]] / self.units[0]
             h = np.diff(x)
             here = int(len(before) == 1)  # the number of this slab in the chain
+            one_sided = len(chain) < 4
+            if one_sided and h[here] > 2 * np.delete(h, here).max(initial=0.0):
+                return True  # a curvature measured over so short a way says little
             for end in (0, 1):
                 y = np.array([self.columns[a][b][end] for a, b in chain]) / self.units[1]
                 slope = np.diff(y) / h
@@ -128,7 +182,7 @@ class _Slabs:
                 steep = abs(slope[here])
                 if here == 1 and len(slope) == 3 and not slope.min() < slope[1] < slope.max():
                     steep = np.abs(slope).min()  # where an edge jumps, it is off the chord along its flat part
-                if sag > self.tolerance * np.hypot(1, steep):
+                if sag > self.tolerance * np.hypot(1, steep) * (ONE_SIDED if one_sided else 1.0):
                     return True
         return False
 
@@ -137,52 +191,47 @@ def _intervals(
     systems: Sequence[PeriodicSystem], Omega: Sequence[float], eps: FloatArray, steps: float
 ) -> list[Column]:
     """Return the unstable intervals of some columns."""
-    work, found = Workspace(), []
-    for system, frequency in zip(systems, Omega, strict=True):
-        cells = _cells(system, frequency, eps, steps, work)
-        found.append(intervals(eps, cells.log_modulus, cells.kind))
-    return found
+    work = Workspace()
+    return [
+        union([_of_block(block, frequency, eps, steps, work) for block in blocks(system)])
+        for system, frequency in zip(systems, Omega, strict=True)
+    ]
 
 
-def _cells(system: PeriodicSystem, Omega: float, eps: FloatArray, steps: float, work: Workspace) -> Cells:
-    """Return a column of a chart without measuring its error, which would double the cost.
+def _of_block(block: Block, Omega: float, eps: FloatArray, steps: float, work: Workspace) -> Column:
+    """Return the unstable intervals of a column of a block, without measuring its error, which would double the cost.
 
     The steps are short enough for it to be below ERROR; every region is verified by `floquet.monodromy` in the end.
     """
-    cells = []
-    for block in blocks(system):
-        sampler = Sampler(block, equations(block, least_frequency(Omega)), Omega, work)
-        spectra = multipliers(sampler, eps, log2_steps(block, Omega, eps, steps), ERROR)
-        found = dominant_symplectic if block.symplectic else partial(dominant, reversible=block.reversible)
-        error = SAFETY * ERROR * spectra.losses
-        cells.append(judge(found(spectra.mu, spectra.exponents), error, block.symplectic or block.reversible))
-    return combine(cells)
-
-
-def intervals(eps: FloatArray, growth: FloatArray, kind: Any) -> Column:
-    """Return the unstable intervals of a column from its growth rates and kinds (k,)."""
+    sampler = Sampler(block, equations(block, least_frequency(Omega)), Omega, work)
+    mu, exponents, losses, _ = multipliers(sampler, eps, log2_steps(block, Omega, eps, steps), ERROR)
+    conservative = block.symplectic or block.reversible
+    if block.symplectic:
+        found, modes = dominant_symplectic(mu, exponents), modes_symplectic(mu, exponents)
+    else:
+        found, modes = dominant(mu, exponents, block.reversible), modes_general(mu, exponents)
+    kind = judge(found, SAFETY * ERROR * losses, conservative).kind
     unstable = np.concatenate([[False], kind > Kind.STABLE, [False]])
     starts = np.flatnonzero(~unstable[:-1] & unstable[1:]).tolist()
     stops = (np.flatnonzero(unstable[:-1] & ~unstable[1:]) - 1).tolist()
     column = []
     for first, last in zip(starts, stops, strict=True):
-        low = eps[0] if first == 0 else _end(eps, growth, first - 1, first, min(first + 1, last))
-        high = eps[-1] if last == len(eps) - 1 else _end(eps, growth, last + 1, last, max(last - 1, first))
+        low, high = eps[first], eps[last]
+        if first > 0:
+            low = edge(modes, eps, first - 1, first, min(first + 1, last), conservative)
+        if last < len(eps) - 1:
+            high = edge(modes, eps, last + 1, last, max(last - 1, first), conservative)
         column.append(Interval(float(low), float(high), int(kind[first]), int(kind[last])))
     return column
 
 
-def _end(eps: FloatArray, growth: FloatArray, outside: int, inside: int, further: int) -> float:
-    """Return where the growth rate is zero between two neighbouring amplitudes.
-
-    Where two multipliers coalesce, the growth above the common decay outside rises like a square root, so that
-    its square is a straight line through the two points inside.
-    """
-    decay = min(growth[outside], 0.0)
-    near, far = (growth[inside] - decay) ** 2, (growth[further] - decay) ** 2
-    a, b = eps[outside], eps[inside]
-    if far > near:
-        end = b - (near - decay**2) * (eps[further] - b) / (far - near)
-        if min(a, b) <= end <= max(a, b):
-            return float(end)
-    return float((a + b) / 2)
+def union(columns: Sequence[Column]) -> Column:
+    """Return the unstable intervals of a system from those of its blocks."""
+    joined: Column = []
+    for one in sorted(interval for column in columns for interval in column):
+        if joined and one.low <= joined[-1].high:
+            if one.high > joined[-1].high:
+                joined[-1] = joined[-1]._replace(high=one.high, high_kind=one.high_kind)
+        else:
+            joined.append(one)
+    return joined

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import cmath
+import math
 
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from floquet import Kind, monodromy, trace_boundary
 from floquet.boundary import _Route
 from floquet.pair import LostError, Point, instability
 from floquet.resonance import nearest_resonance
+from periodic import PeriodicSystem
 from periodic.examples import mathieu
+from plate import EdgeLoad, MovingPlate
 
 logs = st.complex_numbers(max_magnitude=1.0, allow_nan=False, allow_infinity=False)
 
@@ -90,3 +94,26 @@ def test_jumps_are_not_edges():
                 route._zero(0.1, inside, outside)
         else:
             assert route._zero(0.1, inside, outside) == pytest.approx(zero, rel=1e-9)
+
+
+def test_a_region_that_has_merged_says_so():
+    zero = np.zeros((2, 2))
+    pair = PeriodicSystem(np.eye(2), zero, zero, np.diag([1.0, 1.5]), cosine=[[[1.0, 0.5], [0.5, 1.0]]])
+    trace = trace_boundary(pair, 2.0, [0.4, 0.5])
+    assert np.isfinite(trace.upper).tolist() == [True, False]
+    assert np.isfinite(trace.upper_meeting).tolist() == [False, True]
+    assert np.isnan(trace.lower_meeting).all()
+    assert 2.2 < trace.upper_meeting[1] < 2.5  # between the resonances 2 omega_1 and 2 omega_2
+    # apart, there is a stable gap up to the next region; merged, there is none
+    following = trace_boundary(pair, math.sqrt(1.0) + math.sqrt(1.5), [0.4])
+    assert monodromy(pair, (trace.upper[0] + following.lower[0]) / 2, 0.4).kind == Kind.STABLE
+    for Omega in np.linspace(trace.lower[1] + 1e-3, 2.6, 40):
+        assert monodromy(pair, float(Omega), 0.5).kind > Kind.STABLE
+
+
+def test_an_edge_beyond_a_narrow_crossing_region_is_found():
+    # (ω₁+ω₅)/2 = 12.83 crosses the upper edge of ω₁+ω₃ at eps = 0.2: a step too long from below loses the pair
+    plate = MovingPlate(aspect_ratio=2.0, inplane="static", load=EdgeLoad.partial(0.5))
+    trace = trace_boundary(plate, 12.4134, [0.18])
+    assert monodromy(plate, trace.upper[0] - 1e-4, 0.18).kind == Kind.COMPLEX
+    assert monodromy(plate, trace.upper[0] + 1e-4, 0.18).kind == Kind.STABLE

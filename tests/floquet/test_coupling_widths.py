@@ -1,0 +1,63 @@
+"""Estimated widths of resonances: exact to lowest order, and closed by damping."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from scipy.special import mathieu_a, mathieu_b
+
+from floquet.coupling import candidates
+from floquet.names import resonances
+from periodic import PeriodicSystem
+from periodic.examples import coupled_mathieu, mathieu
+
+
+def width_of_mathieu(order: int, eps: float) -> float:
+    """Width of the n-th region of x'' + (1 + eps cos Omega t) x = 0: a = 4/Omega^2 is a_n(q) or b_n(q), q = 2
+    eps/Omega^2 (DLMF 28.2(v))."""
+    a, b = (
+        brentq(
+            lambda Omega, edge=edge: 4 / Omega**2 - edge(order, 2 * eps / Omega**2),
+            1.9 / order,
+            2.1 / order,
+            xtol=1e-15,
+        )
+        for edge in (mathieu_a, mathieu_b)
+    )
+    return abs(a - b)
+
+
+@pytest.mark.parametrize("order", [1, 2, 3, 4])
+def test_widths_of_mathieu_tongues(order: int) -> None:
+    # the next term is smaller by eps^2, with a factor that grows with the order
+    for eps in (0.05, 0.1):
+        found = {one.name.j: one for one in candidates(mathieu(), resonances(mathieu(), 0.2, 3.0), eps)}
+        assert found[order].width == pytest.approx(width_of_mathieu(order, eps), rel=order**2 * eps**2)
+
+
+@pytest.mark.parametrize("kind", ["sum", "difference"])
+def test_width_of_a_combination_resonance(kind: str) -> None:
+    omega = np.array([1.0, 1.7])
+    centre = omega[1] + (omega[0] if kind == "sum" else -omega[0])
+    system = coupled_mathieu(kind, omega)
+    (one,) = candidates(system, resonances(system, 0.99 * centre, 1.01 * centre)[:1], 0.01)
+    # Omega = centre ± eps sqrt(L), L = 1 / (4 omega_1 omega_2); the next order in eps is left out at eps = 0.01
+    assert one.width == pytest.approx(0.01 / np.sqrt(omega.prod()), rel=1e-3)
+    assert (one.p, one.q) == (1, 0)
+
+
+def test_a_second_harmonic_opens_the_second_tongue_to_first_order() -> None:
+    one = np.eye(1)
+    system = PeriodicSystem(one, 0 * one, 0 * one, one, cosine=[0 * one, one])
+    (tongue,) = [one for one in candidates(system, resonances(system, 0.9, 1.1), 0.01) if one.name.j == 2]
+    # x'' + (1 + eps cos 2 Omega t) x = 0 is Mathieu's equation at 2 Omega = 2 ± eps / 2
+    assert tongue.width == pytest.approx(0.01 / 2, rel=1e-3)
+
+
+def test_damping_closes_narrow_resonances() -> None:
+    # the tongue of order n of the damped equation is closed while its largest growth is below the damping
+    open_ = {one.name.j for one in candidates(mathieu(damping=0.01), resonances(mathieu(), 0.2, 3.0), 0.1)}
+    assert open_ == {1}
+    assert candidates(mathieu(damping=0.5), resonances(mathieu(), 0.2, 3.0), 0.1) == []
+    assert candidates(mathieu(), [], 0.1) == []

@@ -1,0 +1,82 @@
+"""Narrow regions between three columns: edges, tips, and nothing where there is nothing."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from scipy.special import mathieu_a, mathieu_b
+
+from floquet import Kind, monodromy, trace_boundary
+from floquet.column import steps_needed
+from floquet.coupling import candidates
+from floquet.names import resonances
+from floquet.tongues import Tongue, trace_tongues
+from periodic import SystemFamily
+from periodic.examples import coupled_mathieu, mathieu
+from plate import MovingPlate
+
+
+def tongues_of(family: SystemFamily, Omega: tuple[float, float], eps: tuple[float, float]) -> dict[str, Tongue]:
+    member = family.at(sum(Omega) / 2)
+    steps = steps_needed([member] * 2, np.array(Omega), np.linspace(0, eps[1], 64))
+    names = resonances(member, *Omega)
+    found = trace_tongues(family, candidates(member, names, eps[1]), eps, 0.5, steps, 1)
+    return {tongue.name.label: tongue for tongue in found}
+
+
+@pytest.mark.parametrize("order", [2, 3, 4, 5])
+def test_edges_of_mathieu_tongues(order: int) -> None:
+    tongue = tongues_of(mathieu(), (1.8 / order, 2.2 / order), (0.0, 0.3))[f"2ω₁/{order}"]
+    assert tongue.eps[-1] == 0.3
+    for eps in (0.15, 0.3):
+        edges = sorted(
+            brentq(
+                lambda Omega, side=side, eps=eps: 4 / Omega**2 - side(order, 2 * eps / Omega**2),
+                1.7 / order,
+                2.1 / order,
+                xtol=1e-15,
+            )
+            for side in (mathieu_a, mathieu_b)
+        )
+        width = edges[1] - edges[0]
+        found = [np.interp(eps, tongue.eps, side) for side in (tongue.lower, tongue.upper)]
+        # parabolas of three columns: their error is a small part of what the middle moves
+        drift = abs(sum(edges) / 2 - 2 / order)
+        np.testing.assert_allclose(found, edges, atol=0.05 * drift + 0.05 * width)
+        assert found[1] - found[0] == pytest.approx(width, rel=0.3)
+
+
+def test_a_narrow_region_of_a_plate_agrees_with_its_traced_edges() -> None:
+    plate = MovingPlate(axial_terms=2, lateral_terms=3)
+    tongue = tongues_of(plate, (24.4, 24.5), (0.0, 1.0))["(ω₁+ω₃)/2"]
+    trace = trace_boundary(plate, tongue.name.centre, [0.5, 0.8])
+    for eps, lower, upper in zip(trace.eps, trace.lower, trace.upper, strict=True):
+        # as above
+        off = 0.05 * abs((lower + upper) / 2 - tongue.name.centre) + 0.05 * (upper - lower)
+        assert np.interp(eps, tongue.eps, tongue.lower) == pytest.approx(lower, abs=off)
+        assert np.interp(eps, tongue.eps, tongue.upper) == pytest.approx(upper, abs=off)
+    assert monodromy(plate, *tongue.witness).kind > Kind.STABLE
+
+
+def test_damping_lifts_the_tip_of_a_narrow_region() -> None:
+    damped = mathieu(damping=0.002)
+    tongue = tongues_of(damped, (0.95, 1.05), (0.0, 0.4))["2ω₁/2"]
+    # where the largest growth over Omega is zero, by integration
+    at = tongue.lower[0]
+    growth = [monodromy(damped, at, tongue.eps[0] + shift).growth_rate for shift in (-0.004, 0.004)]
+    assert growth[0] < 0 < growth[1]
+
+
+def test_a_window_above_the_feet_is_followed_from_below() -> None:
+    tongue = tongues_of(mathieu(), (0.6, 0.75), (0.4, 0.6))["2ω₁/3"]
+    assert tongue.eps[0] == 0.4
+    assert tongue.lower[0] < tongue.upper[0]
+    assert monodromy(mathieu(), (tongue.lower[0] + tongue.upper[0]) / 2, 0.4).kind > Kind.STABLE
+
+
+def test_resonances_without_a_region_have_no_tongue() -> None:
+    # a symmetric coupling has no difference resonance; the one of the sum is what is left
+    labels = tongues_of(coupled_mathieu("sum"), (2.5, 2.9), (0.0, 0.1))
+    assert set(labels) == {"ω₁+ω₂"}
+    assert tongues_of(mathieu(damping=0.3), (0.5, 2.5), (0.0, 0.2)) == {}
