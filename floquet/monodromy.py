@@ -226,9 +226,22 @@ def _at_the_end(
 
 
 def steps_of_period(block: Reduction, Omega: float) -> int:
-    """Return the number of equal steps of one period, before any halving."""
-    harmonics = block.equations.alpha.shape[1] - 1
-    return int(np.ceil(2 * np.pi * (block.rate / Omega + harmonics) / STEP))
+    """Return the number of equal steps of one period, before any halving.
+
+    Raises
+    ------
+    ValueError
+        If they would take too long.
+    """
+    m, harmonics = len(block.equations.w), block.equations.alpha.shape[1] - 1
+    steps = np.ceil(2 * np.pi * (block.rate / Omega + harmonics) / STEP)
+    seconds = steps * TERMS * (SECONDS_A_TERM + 4 * m * block.equations.S.size * SECONDS_A_FLOP)
+    if not seconds <= MOST_SECONDS:
+        raise ValueError(
+            f"Omega = {Omega!r} means {steps:.2g} steps in one period, about {seconds:.2g} s; "
+            "give a larger Omega or a smaller eps"
+        )
+    return int(steps)
 
 
 def _probes(m: int) -> tuple[FloatArray, int]:
@@ -262,13 +275,7 @@ def _integrate(
     last: int,
 ) -> tuple[FloatArray, float]:
     """Return the values that ``start`` at step ``first`` has become at step ``last``, and their rounding errors."""
-    m, columns = len(block.equations.w), start.shape[1]
-    seconds = steps * TERMS * (SECONDS_A_TERM + 2 * block.equations.S.size * columns * SECONDS_A_FLOP)
-    if seconds > MOST_SECONDS:
-        raise ValueError(
-            f"Omega = {Omega!r} at eps = {eps!r} means {steps:.2g} steps in one period, about {seconds:.2g} s; "
-            "give a larger Omega or a smaller eps"
-        )
+    m = len(block.equations.w)
     y1, y2 = start[:m].copy(), start[m:].copy()
     local = max(0.1 * tolerance / steps, FINEST)
     status, rounding = integrate(block.equations, Omega, steps, first, last, ORDER, local, y1, y2)
