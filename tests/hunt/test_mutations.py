@@ -25,7 +25,7 @@ TESTS_FAILED = 1  # pytest's exit status; anything else is no verdict of a test
 
 def table() -> str:
     """Return the table of docs/testing.md."""
-    rows = [f"| {fault.name} | `{fault.file}` | `{fault.tests}` |" for fault in FAULTS]
+    rows = [f"| {fault.name} | `{fault.file}` | `tests/{fault.tests}` |" for fault in FAULTS]
     return "\n".join(["| fault | in | caught by |", "|---|---|---|", *rows])
 
 
