@@ -67,6 +67,24 @@ def test_terms_are_the_derivatives_of_the_solution():
     assert history[:5, 0] / h ** np.arange(5) == pytest.approx([1.0, 0.0, -1.0, 0.0, 5 / 24], abs=1e-15)
 
 
+@pytest.mark.parametrize("h", [0.5, 2.0, 6.0, 12.0])
+def test_rounding_of_a_step_is_estimated(h):
+    # a rotation by h: its terms reach h^h / h!, 65 at h = 6 and 19 000 at h = 12, and cancel
+    one = np.ones((1, 1))
+    block = Block(one[0], one[0], one.copy(), False, np.zeros((1, 2)), np.zeros((1, 2)))
+    angles = h * np.linspace(1.0, 1.01, 40)
+    errors, estimates = [], []
+    for angle in angles:
+        y1, y2 = np.eye(1, 2), np.eye(1, 2, 1)
+        status, rounding = integrate(block, 2 * np.pi / angle, 1, 0, 1, 80, 1e-17, y1, y2)
+        exact = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+        assert status == CONVERGED
+        errors.append(np.linalg.norm(np.vstack([y1, y2]) - exact))
+        estimates.append(rounding)
+    assert (np.array(errors) <= 3 * np.array(estimates)).all()
+    assert np.median(estimates) < 30 * np.median(errors)
+
+
 @pytest.mark.parametrize("order", [4, 7])
 def test_order_of_convergence(order):
     block = block_of(random_system(3, 3, 2))

@@ -12,6 +12,7 @@ import json
 import re
 import resource
 import sys
+import time
 import warnings
 import zipfile
 import zlib
@@ -47,6 +48,7 @@ OF_THE_WHOLE_FILE = "|".join(
         "no .mtx",
     ]
 )
+QUICK = 1.0  # seconds
 SAMPLE = 25  # every so many inputs the command line is tried as well
 
 Random = np.random.Generator
@@ -466,8 +468,16 @@ def run(numbers: range, folder: Path) -> None:
         case = mutant(number)
         place = folder / str(number)
         path = written(case, place)
+        began = time.perf_counter()
         outcome, what = verdict(path, case.form)
-        if outcome != "fault" and number // len(MAKERS) % SAMPLE == 0 and (ill := command_line(path, case.form, place)):
+        # what takes long at one point, being stiff, takes minutes in a chart
+        quick = time.perf_counter() - began < QUICK
+        if (
+            outcome != "fault"
+            and quick
+            and number // len(MAKERS) % SAMPLE == 0
+            and (ill := command_line(path, case.form, place))
+        ):
             outcome, what = "fault", ill
         faulthandler.cancel_dump_traceback_later()
         print(json.dumps([case.form, case.kind, outcome, what]), flush=True)
