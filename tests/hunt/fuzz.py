@@ -12,7 +12,6 @@ import json
 import re
 import resource
 import sys
-import time
 import warnings
 import zipfile
 import zlib
@@ -48,7 +47,7 @@ OF_THE_WHOLE_FILE = "|".join(
         "no .mtx",
     ]
 )
-QUICK = 1.0  # seconds
+STIFF = 1e3  # rate of the fastest motion, from which on a chart of ordinary frequencies takes minutes
 SAMPLE = 25  # every so many inputs the command line is tried as well
 
 Random = np.random.Generator
@@ -423,16 +422,27 @@ def _use(path: Path, form: str) -> None:
     if not isinstance(system, PeriodicSystem):
         raise TypeError(f"gave {system!r}")
     try:
-        monodromy(system, 1.0, 0.1)
+        monodromy(system, min(max(fastest(system), 1.0), 1e100), 0.1)
     except ValueError as error:  # of the system itself, whose file is no longer known
         if not re.search("Omega|eps|mass|stiffness", str(error)):
             raise RuntimeError(f"unclear: {error}") from None
+
+
+def fastest(system: PeriodicSystem) -> float:
+    """Return about the rate of the fastest motion, so that one period of it has few steps."""
+    with np.errstate(all="ignore"):
+        size = max(float(np.abs(F).max()) for F in (system.stiffness, system.cosine, system.sine))
+        light = float(np.diag(system.mass).min())
+        gyration = max(float(np.abs(S).max()) for S in (system.gyroscopic, system.damping)) / light
+        return float(np.nan_to_num(max(np.sqrt(size / light), gyration), nan=np.inf, posinf=1e300))
 
 
 def command_line(path: Path, form: str, folder: Path) -> str:
     """Run the scripts on the input; return what is wrong with how they end, or nothing."""
     option = "--case" if form == "toml" else "--system"
     small = ["--points", "4", "3", "--no-regions", "--jobs", "1", "--no-progress"]
+    if form != "toml" and verdict(path, form)[0] == "result" and fastest(load_system(path)) > STIFF:
+        return ""
     runs: list[tuple[Callable[[list[str]], int], list[str]]] = [(explore.main, [option, str(path), *small])]
     if form == "toml" and verdict(path, form)[0] == "error":  # else it would draw the whole case
         runs.append((validate.main, [option, str(path), "--no-progress"]))
@@ -468,16 +478,8 @@ def run(numbers: range, folder: Path) -> None:
         case = mutant(number)
         place = folder / str(number)
         path = written(case, place)
-        began = time.perf_counter()
         outcome, what = verdict(path, case.form)
-        # what takes long at one point, being stiff, takes minutes in a chart
-        quick = time.perf_counter() - began < QUICK
-        if (
-            outcome != "fault"
-            and quick
-            and number // len(MAKERS) % SAMPLE == 0
-            and (ill := command_line(path, case.form, place))
-        ):
+        if outcome != "fault" and number // len(MAKERS) % SAMPLE == 0 and (ill := command_line(path, case.form, place)):
             outcome, what = "fault", ill
         faulthandler.cancel_dump_traceback_later()
         print(json.dumps([case.form, case.kind, outcome, what]), flush=True)
