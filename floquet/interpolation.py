@@ -46,5 +46,7 @@ def trigonometric_weights(p: int, theta: ArrayLike) -> FloatArray:
     """Return the matrix (len(theta), p) that takes values at the phases 2 pi i / p, p odd, to their interpolant at
     theta."""
     half = np.asarray(theta)[:, None] / 2 - np.pi * np.arange(p) / p
-    sine = np.sin(half)
-    return np.divide(np.sin(p * half), p * sine, out=np.ones_like(half), where=sine != 0)  # Dirichlet's kernel
+    half -= np.pi * np.round(half / np.pi)  # the sum of cosines below has this period, and 0 / 0 only at 0
+    with np.errstate(invalid="ignore"):
+        # Dirichlet's kernel, 1 + 2 cos 2 half + ... + 2 cos (p - 1) half, in closed form
+        return np.where(half == 0, 1.0, np.sin(p * half) / (p * np.sin(half)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import accumulate, pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 
 from floquet.multipliers import Kind, combine, spectrum
 from floquet.reduction import Reduction, reduce_system
-from floquet.taylor import LARGEST, OVERFLOWN, integrate
+from floquet.taylor import LARGEST, OVERFLOWN, UNIT, integrate
 from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import FloatArray, real_number
 
@@ -23,8 +24,10 @@ STEP = 6.0
 TERMS = 40  # that a step of this length needs, about
 ORDER = 80  # never reached, unless the rate were wrong
 HALVINGS = 3  # of the step, while that helps
+SEGMENTS = 32  # of a period, at the ends of which growth is measured, with this tolerance
+COARSE = 1e-2
 PROBES = 8  # solutions that are integrated again with half the step, and with series as long as float64 can use:
-FINEST = np.finfo(float).eps / 16
+FINEST = UNIT / 16
 # What a term costs: a call, and 2 floating-point operations an entry at a moderate speed. Longer than this is refused.
 SECONDS_A_TERM, SECONDS_A_FLOP, MOST_SECONDS = 2e-6, 1e-10, 300.0
 
@@ -98,8 +101,9 @@ def monodromy(system: SystemFamily, Omega: float, eps: float, *, tolerance: floa
     Notes
     -----
     Taylor series of the solution in steps of equal length (`floquet.taylor`), each with as many terms as
-    it needs. Eight random solutions are integrated once more with half the step; the difference is the error
-    estimate. Nothing is shared with `stability_chart`.
+    it needs. The error estimate is the difference from eight random solutions that are integrated once more with half
+    the step, and what rounding in each part of the period amounts to at its end: two integrations may agree by chance.
+    Nothing is shared with `stability_chart`.
     """
     Omega = real_number("Omega", Omega, positive=True)
     eps = real_number("eps", eps)
@@ -174,36 +178,93 @@ def period_map(block: Reduction, Omega: float, eps: float, tolerance: float) -> 
         If the solution overflows or the integration would take too long (``Omega`` and ``eps`` are named).
     """
     m = len(block.equations.w)
-    start = np.eye(2 * m)
     probes, share = _probes(m)
     # norms of the two halves of from_q: how much of a disturbance of q each half of y receives
     receives = np.linalg.norm(np.stack(np.split(block.from_q, 2)), 2, axis=(1, 2))
     steps = steps_of_period(block, Omega)
-    best = PeriodMap(start, np.inf, np.inf)
+    best = PeriodMap(np.eye(2 * m), np.inf, np.inf)
     for _ in range(HALVINGS + 1):
-        matrix = propagate(block, Omega, eps, steps, tolerance, start)
-        defect = matrix @ probes - propagate(block, Omega, eps, 2 * steps, FINEST, probes)
+        period = _integrate_period(block, Omega, eps, steps, tolerance)
+        defect = period.matrix @ probes - propagate(block, Omega, eps, 2 * steps, FINEST, probes)
         halves = np.stack(np.split(defect, 2, axis=1)) / np.sqrt(share)
-        # what both integrations have in common: rounding of the coefficients, and what the reduction dropped
-        common = 2 * np.pi / Omega * (np.finfo(float).eps * block.rate + block.neglected)
-        norm = float(np.linalg.norm(matrix, 2))
-        measured = np.linalg.norm(halves)
-        error = measured + common * norm
+        reducible = float(np.linalg.norm(halves)) + _at_the_end(period, period.rounding)
+        # shorter steps do not help against rounding of the coefficients and what the reduction dropped
+        fixed = (UNIT * block.rate + block.neglected) * period.durations
+        error = reducible + _at_the_end(period, fixed)
         in_q = np.linalg.norm(block.to_q @ halves, axis=(1, 2)) @ receives
-        in_q += common * np.linalg.norm(block.to_q @ matrix @ block.from_q, 2)
-        if error > 0.5 * best.error:  # rounding rules: shorter steps do not help
+        in_q += _at_the_end(period, period.rounding + fixed, block.to_q, block.from_q)
+        if error > 0.5 * best.error:  # rounding rules
             break
-        best = PeriodMap(matrix, float(error), float(in_q))
-        if measured <= max(tolerance * max(1.0, norm), common * norm):
+        best = PeriodMap(period.matrix, float(error), float(in_q))
+        if reducible <= max(tolerance * max(1.0, float(np.linalg.norm(period.matrix, 2))), error - reducible):
             break
         steps *= 2
     return best
 
 
+class _Period(NamedTuple):
+    """One period in S segments.
+
+    ``before`` and ``after`` (S, 2m, 2m) lead from 0 to the beginning of each segment and, good to a few per cent, from
+    its end to T. ``rounding`` (S,) are the rounding errors made in each, relative to its initial values;
+    ``durations`` (S,) are in time. Both are multiplied by the growth within the segment.
+    """
+
+    matrix: FloatArray
+    before: FloatArray
+    after: FloatArray
+    rounding: FloatArray
+    durations: FloatArray
+
+
+def _integrate_period(block: Reduction, Omega: float, eps: float, steps: int, tolerance: float) -> _Period:
+    unit = np.eye(2 * len(block.equations.w))
+    ends = np.unique(np.linspace(0, steps, SEGMENTS + 1).astype(int)).tolist()
+    values, rounding, maps = [unit], [], []
+    for segment in pairwise(ends):
+        found, error = _integrate(block, Omega, eps, steps, tolerance, values[-1], *segment)
+        rounding.append(error / np.linalg.norm(values[-1]))
+        values.append(found)
+        maps.append(_integrate(block, Omega, eps, steps, COARSE, unit, *segment)[0])
+    after = list(accumulate(maps[::-1], np.matmul, initial=unit))
+    if not np.abs(after).max() <= LARGEST:
+        raise _overflow(Omega, eps)
+    growth = np.maximum(1.0, np.linalg.norm(maps, 2, axis=(1, 2)))
+    durations = 2 * np.pi / Omega * np.diff(ends) / steps
+    return _Period(values[-1], np.array(values[:-1]), np.array(after[-2::-1]), growth * rounding, growth * durations)
+
+
+def _at_the_end(
+    period: _Period, errors: FloatArray, to: FloatArray | None = None, start: FloatArray | None = None
+) -> float:
+    """Return what relative errors (S,) made in the segments amount to at the end, as a bound of the Frobenius norm.
+
+    A relative error E made at time t arrives as Phi(T, t) E Phi(t, 0). Where growth in one part of a period is undone
+    in another, the product of the two norms exceeds that of Phi(T, 0) by orders of magnitude, and only chance would
+    show it in the difference of two integrations.
+    """
+    after = period.after if to is None else to @ period.after
+    before = period.before if start is None else period.before @ start
+    return float(np.sum(np.linalg.norm(after, 2, axis=(1, 2)) * errors * np.linalg.norm(before, axis=(1, 2))))
+
+
 def steps_of_period(block: Reduction, Omega: float) -> int:
-    """Return the number of equal steps of one period, before any halving."""
-    harmonics = block.equations.alpha.shape[1] - 1
-    return int(np.ceil(2 * np.pi * (block.rate / Omega + harmonics) / STEP))
+    """Return the number of equal steps of one period, before any halving.
+
+    Raises
+    ------
+    ValueError
+        If they would take too long.
+    """
+    m, harmonics = len(block.equations.w), block.equations.alpha.shape[1] - 1
+    steps = np.ceil(2 * np.pi * (block.rate / Omega + harmonics) / STEP)
+    seconds = steps * TERMS * (SECONDS_A_TERM + 4 * m * block.equations.S.size * SECONDS_A_FLOP)
+    if not seconds <= MOST_SECONDS:
+        raise ValueError(
+            f"Omega = {Omega!r} means {steps:.2g} steps in one period, about {seconds:.2g} s; "
+            "give a larger Omega or a smaller eps"
+        )
+    return int(steps)
 
 
 def _probes(m: int) -> tuple[FloatArray, int]:
@@ -223,19 +284,31 @@ def propagate(
     block: Reduction, Omega: float, eps: float, steps: int, tolerance: float, start: FloatArray
 ) -> FloatArray:
     """Return the values after one period of the solutions that begin with the columns of ``start`` (2m, columns)."""
-    m, columns = len(block.equations.w), start.shape[1]
-    seconds = steps * TERMS * (SECONDS_A_TERM + 2 * block.equations.S.size * columns * SECONDS_A_FLOP)
-    if seconds > MOST_SECONDS:
-        raise ValueError(
-            f"Omega = {Omega!r} at eps = {eps!r} means {steps:.2g} steps in one period, about {seconds:.2g} s; "
-            "give a larger Omega or a smaller eps"
-        )
+    return _integrate(block, Omega, eps, steps, tolerance, start, 0, steps)[0]
+
+
+def _integrate(
+    block: Reduction,
+    Omega: float,
+    eps: float,
+    steps: int,
+    tolerance: float,
+    start: FloatArray,
+    first: int,
+    last: int,
+) -> tuple[FloatArray, float]:
+    """Return the values that ``start`` at step ``first`` has become at step ``last``, and their rounding errors."""
+    m = len(block.equations.w)
     y1, y2 = start[:m].copy(), start[m:].copy()
     local = max(0.1 * tolerance / steps, FINEST)
-    status = integrate(block.equations, Omega, steps, ORDER, local, y1, y2)
+    status, rounding = integrate(block.equations, Omega, steps, first, last, ORDER, local, y1, y2)
     if status == OVERFLOWN:
-        raise ValueError(
-            f"eps = {eps!r} at Omega = {Omega!r}: the solution grows by more than {LARGEST:.0e} in one period; "
-            "give a smaller eps or a larger Omega"
-        )
-    return np.concatenate([y1, y2])
+        raise _overflow(Omega, eps)
+    return np.concatenate([y1, y2]), rounding
+
+
+def _overflow(Omega: float, eps: float) -> ValueError:
+    return ValueError(
+        f"eps = {eps!r} at Omega = {Omega!r}: the solution grows by more than {LARGEST:.0e} in one period; "
+        "give a smaller eps or a larger Omega"
+    )

@@ -82,7 +82,7 @@ def spectrum(
     E = error + 4 * np.finfo(float).eps * norm
     with np.errstate(divide="ignore"):
         kappa = 1 / np.abs(np.einsum("ij,ij->j", left.conj(), right))  # both sets are normalised
-    first_order = np.minimum(kappa * E, norm + 1)
+    first_order = np.minimum(kappa * E, 2 * norm + E)
     distance = np.abs(mu[:, None] - mu) + np.diag(np.full(len(mu), np.inf))
     crowded = first_order > ISOLATED * distance.min(axis=1)
     modulus = np.abs(mu)
@@ -100,7 +100,8 @@ def spectrum(
         middle = 0.5 * (mu[top] + mu[near]) * np.eye(len(Phi))
         if sla.svdvals(middle - Phi)[-1] <= E:
             down = max(shift[top], 0.5 * distance[top, near] + E)
-    lower = -np.log1p(-min(down / modulus[top], 0.5))
+    # an error as large as the multiplier leaves nothing to tell it from zero
+    lower = -np.log(max(1 - down / modulus[top], np.finfo(float).tiny))
     log_error = float(max(upper, lower))
     if log_modulus > log_error and not bounded:
         kind = _kind(mu[top], shift[top])

@@ -9,7 +9,7 @@ import scipy.linalg as sla
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
-from floquet.taylor import Block
+from floquet.taylor import LARGEST, Block
 from periodic import PeriodicSystem
 from periodic.checks import FloatArray
 
@@ -61,11 +61,23 @@ def reduce_system(system: PeriodicSystem, eps: float, slowest: float) -> list[Re
     scales w are the square roots of the moduli of the eigenvalues: a conservative motion is nearly a rotation of
     (y1, y2), and the monodromy matrix as well-conditioned as can be. ``slowest`` > 0 is the scale of coordinates
     without stiffness.
+
+    Raises
+    ------
+    ValueError
+        If numbers are so large that their products would overflow.
     """
     constant = np.array([system.mass, system.gyroscopic, system.damping, system.stiffness])
     matrices = np.concatenate([constant, eps * system.cosine, eps * system.sine])
     scale = 1 / np.sqrt(np.diag(system.mass))
-    separate = _columns(np.eye(system.size), _components(scale[:, None] * matrices * scale))
+    with np.errstate(over="ignore", invalid="ignore"):
+        to_unit_mass = scale[:, None] * matrices * scale
+    if not (np.abs(to_unit_mass) <= LARGEST).all():
+        raise ValueError(
+            f"mass, stiffness or excitation at eps = {eps!r}: per unit of mass, an entry exceeds {LARGEST:.0e}; "
+            "change the units or give a smaller eps"
+        )
+    separate = _columns(np.eye(system.size), _components(to_unit_mass))
     symmetric = [part for basis in separate for part in _symmetry_parts(matrices, basis)]
     if len(symmetric) > len(separate):
         blocks = _reduce_all(matrices, symmetric, slowest)

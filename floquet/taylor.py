@@ -26,6 +26,7 @@ from periodic.checks import FloatArray
 LARGEST = 1e150
 # Taylor coefficients of f_r below this part of the largest do not change a float64 sum.
 NEGLIGIBLE = 1e-18
+UNIT = np.finfo(np.float64).eps
 
 CONVERGED, UNCONVERGED, OVERFLOWN = 0, 1, 2
 
@@ -45,17 +46,22 @@ class Block(NamedTuple):
 
 
 @njit(cache=True, nogil=True)
-def forcing_coefficients(alpha, beta, Omega, t, h, order):  # type: ignore[no-untyped-def]
-    """Taylor coefficients h^i f_r^(i)(t) / i! in reversed order, shape (R, order): the last column is f_r(t) itself."""
+def forcing_coefficients(alpha, beta, step, steps, order):  # type: ignore[no-untyped-def]
+    """Taylor coefficients h^i f_r^(i) / i! at the beginning of a step, one of ``steps`` in a period, shape (R, order).
+
+    They are in reversed order: the last column is f_r itself.
+    """
     coefficients = np.zeros((alpha.shape[0], order))
     for j in range(alpha.shape[1]):
-        c, s = np.cos(j * Omega * t), np.sin(j * Omega * t)
+        # whole turns are taken off before they can cost digits
+        phase = 2.0 * np.pi * ((j * step) % steps) / steps
+        c, s = np.cos(phase), np.sin(phase)
         power = 1.0
         for i in range(order):
             for r in range(alpha.shape[0]):
                 coefficients[r, order - 1 - i] += power * (alpha[r, j] * c + beta[r, j] * s)
             c, s = -s, c  # differentiation turns the phase by a quarter
-            power *= j * Omega * h / (i + 1)
+            power *= 2.0 * np.pi * j / steps / (i + 1)
     return coefficients
 
 
@@ -72,11 +78,19 @@ def significant(coefficients):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def taylor_step(block, coefficients, h, tolerance, y1, y2, history, stacked):  # type: ignore[no-untyped-def]
-    """Advance (y1, y2), each (m, columns), in place by h; return the number of terms and the last one's relative size.
+    """Advance (y1, y2), each (m, columns), in place by h.
 
     The series ends when two successive terms are below ``tolerance`` relative to the initial values, or at the order
     that ``coefficients`` (R, order) and ``history`` (order + 1, m * columns) allow. ``history`` receives the terms of
     y1. ``stacked`` (R + 1, m * columns) is work space: what S multiplies, the current term of y2 last.
+
+    Returns
+    -------
+    terms : int
+    relative : float
+        Size of the last term relative to the initial values.
+    size : float
+        Root of the sum of squares of all terms: the rounding of their sum is in proportion to it.
     """
     m, columns = y1.shape
     functions, order = coefficients.shape
@@ -87,6 +101,7 @@ def taylor_step(block, coefficients, h, tolerance, y1, y2, history, stacked):  #
     multiplied = stacked.reshape((functions + 1) * m, columns)[: block.S.shape[1]]
     force = np.empty((m, columns))
     size = np.dot(sum1, sum1) + np.dot(sum2, sum2)
+    squares = size
     previous = relative = np.inf
     for q in range(order):
         present, following = history[q], history[q + 1]
@@ -105,32 +120,37 @@ def taylor_step(block, coefficients, h, tolerance, y1, y2, history, stacked):  #
                 term2[row + c] = second
                 sum1[row + c] += first
                 sum2[row + c] += second
-        relative = np.sqrt((np.dot(following, following) + np.dot(term2, term2)) / size)
+        square = np.dot(following, following) + np.dot(term2, term2)
+        squares += square
+        relative = np.sqrt(square / size)
         if relative <= tolerance and previous <= tolerance:
-            return q + 1, relative
+            return q + 1, relative, np.sqrt(squares)
         previous = relative
-    return order, relative
+    return order, relative, np.sqrt(squares)
 
 
 @njit(cache=True, nogil=True)
-def integrate(block, Omega, steps, order, tolerance, y1, y2):  # type: ignore[no-untyped-def]
-    """Advance (y1, y2), each (m, columns), in place over one period in equal steps.
+def integrate(block, Omega, steps, first, last, order, tolerance, y1, y2):  # type: ignore[no-untyped-def]
+    """Advance (y1, y2), each (m, columns), in place from step ``first`` to ``last`` of ``steps`` in a period.
 
     Returns
     -------
     status : int
         CONVERGED, UNCONVERGED (a series did not end below ``tolerance``) or OVERFLOWN.
+    rounding : float
+        Estimated Frobenius norm of the rounding errors made in these steps.
     """
     m, columns = y1.shape
     history = np.empty((order + 1, m * columns))
     stacked = np.empty((block.alpha.shape[0] + 1, m * columns))
     h = 2.0 * np.pi / Omega / steps
-    status = CONVERGED
-    for step in range(steps):
-        coefficients = forcing_coefficients(block.alpha, block.beta, Omega, step * h, h, order)
-        _, relative = taylor_step(block, coefficients, h, tolerance, y1, y2, history, stacked)
+    status, rounding = CONVERGED, 0.0
+    for step in range(first, last):
+        coefficients = forcing_coefficients(block.alpha, block.beta, step, steps, order)
+        _, relative, terms = taylor_step(block, coefficients, h, tolerance, y1, y2, history, stacked)
+        rounding += UNIT * terms
         if not relative <= tolerance:
             status = UNCONVERGED
         if not max(np.abs(y1).max(), np.abs(y2).max()) <= LARGEST:
-            return OVERFLOWN
-    return status
+            return OVERFLOWN, rounding
+    return status, rounding

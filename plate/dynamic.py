@@ -115,7 +115,7 @@ class DynamicStress(StaticStress):
         bases = []
         for block in self.problem.blocks:
             static = np.array(self.forces) @ block.shapes
-            if not static[1:].any():
+            if not (np.abs(static[1:]) ** 2).any():  # no load, or one whose squares underflow
                 continue
             loads = np.concatenate([static[1:].real, static[1:].imag]).T
             responses = [block.solve(loads, *self._at(kappa * self.wave_speed)) for kappa in kappas]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -24,3 +25,26 @@ for _name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
 def references() -> dict[str, Any]:
     """Independent reference numbers: exact or spectrally converged solutions made without this code base."""
     return json.loads((Path(__file__).parent / "references.json").read_text())
+
+
+TABLES = pytest.StashKey[dict[str, list[dict[str, object]]]]()
+
+
+@pytest.fixture(scope="session")
+def tabulate(pytestconfig: pytest.Config) -> Callable[..., None]:
+    """Give tests a function (title, **columns) that adds a row to a table at the end of the run's output."""
+
+    def add(title: str, **columns: object) -> None:
+        pytestconfig.stash.setdefault(TABLES, {}).setdefault(title, []).append(columns)
+
+    return add
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+    """Print the tables that tests have filled, in Markdown."""
+    for title, rows in config.stash.get(TABLES, {}).items():
+        terminalreporter.section(title)
+        terminalreporter.write_line(f"| {' | '.join(rows[0])} |")
+        terminalreporter.write_line(f"|{'---|' * len(rows[0])}")
+        for row in rows:
+            terminalreporter.write_line(f"| {' | '.join(map(str, row.values()))} |")

@@ -5,32 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
+from strategies import random_system
 
 from periodic import PeriodicSystem
 
-
-def random_system(
-    seed: int, n: int, harmonics: int = 1, *, symmetric: bool = True, damping: float = 0.0, gyroscopic: bool = True
-) -> PeriodicSystem:
-    """Mass well-conditioned, stiffness of order one and not always positive, excitation of order one."""
-    rng = np.random.default_rng(seed)
-
-    def entries(*shape: int) -> NDArray[np.float64]:
-        return rng.standard_normal(shape)
-
-    A, G, K, C = entries(n, n), entries(n, n), entries(n, n), entries(n, n)
-    cosine, sine = entries(harmonics, n, n), entries(harmonics, n, n)
-    if symmetric:
-        K = K @ K.T + rng.uniform(-0.5, 1.0) * np.eye(n)
-        cosine, sine = cosine + cosine.transpose(0, 2, 1), sine + sine.transpose(0, 2, 1)
-    return PeriodicSystem(
-        mass=A @ A.T / n + np.eye(n),
-        gyroscopic=0.5 * (G - G.T) * gyroscopic,
-        damping=damping * C @ C.T / n,
-        stiffness=K,
-        cosine=cosine,
-        sine=sine,
-    )
+__all__ = ["dop853", "first_order", "random_system"]
 
 
 def first_order(system: PeriodicSystem, Omega: float, eps: float, t: float) -> NDArray[np.float64]:

@@ -75,6 +75,10 @@ def test_another_input_is_another_block(tmp_path: Path, counted: list[int]) -> N
     stability_chart(coupled_mathieu(), OMEGA, EPS[:-1], n_jobs=1, progress=False, audit=0, cache=tmp_path)
     stability_chart(coupled_mathieu(), 1.01 * OMEGA, EPS, n_jobs=1, progress=False, audit=0, cache=tmp_path)
     assert len(counted) == 4 * blocks
+    # an amplitude that decides nothing about the steps
+    others = np.concatenate([[0.9 * EPS[0] + 0.1 * EPS[1]], EPS[1:]])
+    stability_chart(coupled_mathieu(), OMEGA, others, n_jobs=1, progress=False, audit=0, cache=tmp_path)
+    assert len(counted) == 5 * blocks
 
 
 @pytest.mark.parametrize("damage", ["truncated", "flipped", "empty", "gone"])

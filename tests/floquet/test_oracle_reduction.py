@@ -6,30 +6,12 @@ import numpy as np
 import pytest
 import scipy.linalg as sla
 from oracle_systems import first_order, random_system
+from strategies import join, transformed
 
+from floquet import monodromy
 from floquet.reduction import constant_matrix, modulation, reduce_system
 from periodic import PeriodicSystem
 from periodic.examples import coupled_mathieu, mathieu
-
-
-def join(*systems):
-    """Independent systems side by side."""
-    n = sum(s.size for s in systems)
-    J = max(s.harmonics for s in systems)
-    cosine, sine = np.zeros((J, n, n)), np.zeros((J, n, n))
-    at = 0
-    for s in systems:
-        here = slice(at, at + s.size)
-        cosine[: s.harmonics, here, here], sine[: s.harmonics, here, here] = s.cosine, s.sine
-        at += s.size
-    parts = (sla.block_diag(*[getattr(s, name) for s in systems]) for name in ("mass", "gyroscopic", "damping"))
-    return PeriodicSystem(*parts, sla.block_diag(*[s.stiffness for s in systems]), cosine, sine)
-
-
-def transformed(system, T):
-    """The system in coordinates W = T x."""
-    arrays = (system.mass, system.gyroscopic, system.damping, system.stiffness, system.cosine, system.sine)
-    return PeriodicSystem(*[T.T @ S @ T for S in arrays])
 
 
 @pytest.mark.parametrize("symmetric", [True, False])
@@ -142,6 +124,17 @@ def test_reversible_systems_are_reciprocal():
     (block,) = reduce_system(cosines, 0.5, 1.0)
     assert block.reciprocal
     assert block.form is None
+
+
+def test_a_gyroscopic_system_with_unsymmetric_stiffness_is_not_reciprocal():
+    system = random_system(9, 3, 2, symmetric=False, gyroscopic=True)
+    cosines = PeriodicSystem(system.mass, system.gyroscopic, system.damping, system.stiffness, system.cosine)
+    (block,) = reduce_system(cosines, 0.5, 1.0)
+    assert not block.reciprocal
+    # and rightly: the multipliers are not
+    moduli = np.abs(monodromy(cosines, 2.0, 0.5).multipliers)
+    assert np.prod(moduli) == pytest.approx(1, abs=1e-9)
+    assert np.abs(moduli * moduli[::-1] - 1).max() > 1e-3
 
 
 def test_frequencies_are_good_to_their_own_rounding():

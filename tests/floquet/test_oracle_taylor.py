@@ -22,18 +22,18 @@ def period(block, Omega, steps, order, tolerance=0.0):
     m = len(block.equations.w)
     y = np.eye(2 * m)
     y1, y2 = y[:m].copy(), y[m:].copy()
-    status = integrate(block.equations, Omega, steps, order, tolerance, y1, y2)
+    status, _ = integrate(block.equations, Omega, steps, 0, steps, order, tolerance, y1, y2)
     return np.vstack([y1, y2]), status
 
 
 @pytest.mark.kernel
 def test_forcing_coefficients_are_the_taylor_series():
     alpha, beta = np.array([[0.3, 1.0, -0.5], [0.0, 0.2, 0.0]]), np.array([[0.0, 0.4, 2.0], [0.0, 0.0, -1.0]])
-    Omega, t, h = 1.3, 0.7, 0.4
-    coefficients = forcing_coefficients(alpha, beta, Omega, t, h, 30)
+    step, steps = 5, 13
+    coefficients = forcing_coefficients(alpha, beta, step, steps, 30)
     j = np.arange(3)
     for fraction in (0.0, 0.3, 1.0):
-        phase = j * Omega * (t + fraction * h)
+        phase = 2 * np.pi * j * (step + fraction) / steps
         exact = alpha @ np.cos(phase) + beta @ np.sin(phase)
         series = coefficients[:, ::-1] @ fraction ** np.arange(30)
         assert series == pytest.approx(exact, abs=1e-14)
@@ -46,8 +46,8 @@ def test_step_without_excitation_is_the_exponential():
     h, order = 0.5, 40
     y1, y2 = np.eye(2, 4), np.eye(2, 4, 2)
     history, stacked = np.empty((order + 1, 8)), np.empty((len(quiet.alpha) + 1, 8))
-    coefficients = forcing_coefficients(quiet.alpha, quiet.beta, 1.0, 0.0, h, order)
-    terms, last = taylor_step(quiet, coefficients, h, 1e-16, y1, y2, history, stacked)
+    coefficients = forcing_coefficients(quiet.alpha, quiet.beta, 0, 12, order)
+    terms, last, _ = taylor_step(quiet, coefficients, h, 1e-16, y1, y2, history, stacked)
     assert terms < order
     assert last <= 1e-16
     A = constant_matrix(block.equations)
@@ -61,9 +61,28 @@ def test_terms_are_the_derivatives_of_the_solution():
     block = Block(one[0], one[0], one.copy(), False, np.array([[0.0, 1.0]]), np.array([[0.0, 0.0]]))
     y1, y2 = np.array([[1.0]]), np.array([[0.0]])
     history, stacked = np.empty((6, 1)), np.empty((2, 1))
-    coefficients = forcing_coefficients(block.alpha, block.beta, 1.0, 0.0, 1.0, 5)
-    taylor_step(block, coefficients, 1.0, 0.0, y1, y2, history, stacked)
-    assert history[:5, 0] == pytest.approx([1.0, 0.0, -1.0, 0.0, 5 / 24], abs=1e-15)
+    coefficients = forcing_coefficients(block.alpha, block.beta, 0, 6, 5)
+    h = 2 * np.pi / 6
+    taylor_step(block, coefficients, h, 0.0, y1, y2, history, stacked)
+    assert history[:5, 0] / h ** np.arange(5) == pytest.approx([1.0, 0.0, -1.0, 0.0, 5 / 24], abs=1e-15)
+
+
+@pytest.mark.parametrize("h", [0.5, 2.0, 6.0, 12.0])
+def test_rounding_of_a_step_is_estimated(h):
+    # a rotation by h: its terms reach h^h / h!, 65 at h = 6 and 19 000 at h = 12, and cancel
+    one = np.ones((1, 1))
+    block = Block(one[0], one[0], one.copy(), False, np.zeros((1, 2)), np.zeros((1, 2)))
+    angles = h * np.linspace(1.0, 1.01, 40)
+    errors, estimates = [], []
+    for angle in angles:
+        y1, y2 = np.eye(1, 2), np.eye(1, 2, 1)
+        status, rounding = integrate(block, 2 * np.pi / angle, 1, 0, 1, 80, 1e-17, y1, y2)
+        exact = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+        assert status == CONVERGED
+        errors.append(np.linalg.norm(np.vstack([y1, y2]) - exact))
+        estimates.append(rounding)
+    assert (np.array(errors) <= 3 * np.array(estimates)).all()
+    assert np.median(estimates) < 30 * np.median(errors)
 
 
 @pytest.mark.parametrize("order", [4, 7])
@@ -87,12 +106,12 @@ def test_overflow_is_reported():
     one = np.ones((1, 1))
     block = Block(np.array([100.0]), np.array([-100.0]), one.copy(), False, np.zeros((1, 2)), np.zeros((1, 2)))
     y1, y2 = np.eye(1, 2), np.eye(1, 2, 1)
-    assert integrate(block, 1.0, 300, 60, 1e-16, y1, y2) == OVERFLOWN
+    assert integrate(block, 1.0, 300, 0, 300, 60, 1e-16, y1, y2)[0] == OVERFLOWN
 
 
 def test_many_harmonics():
     # Fejér's kernel: sum_j 2 (1 - j / 17) cos jt has the closed form sin^2(17 t / 2) / (17 sin^2(t / 2)) - 1
     alpha = np.concatenate([[0.0], 2 * (1 - np.arange(1, 17) / 17)])[None]
-    t = 0.37
-    value = forcing_coefficients(alpha, np.zeros_like(alpha), 1.0, t, 0.1, 20)[0, -1]
+    t = 2 * np.pi * 37 / 600
+    value = forcing_coefficients(alpha, np.zeros_like(alpha), 37, 600, 20)[0, -1]
     assert value == pytest.approx(math.sin(17 * t / 2) ** 2 / (17 * math.sin(t / 2) ** 2) - 1, abs=1e-13)

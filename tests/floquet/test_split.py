@@ -61,6 +61,13 @@ def test_one_sided_coupling_keeps_blocks_together():
     assert len(independent_blocks(matrices)) == 1
 
 
+@pytest.mark.parametrize("coupling", [1e-2, 1e-5, 1e-9])
+def test_weak_couplings_are_couplings(coupling):
+    matrices = np.array([np.diag([1.0, 2.0, 3.0]), np.diag([0.5, 0.1, 0.3])])
+    matrices[0, 0, 1] = matrices[0, 1, 0] = coupling
+    assert sorted(X.shape[1] for X in independent_blocks(matrices)) == [1, 2]
+
+
 def test_split_and_unsplit_agree(monkeypatch):
     system = joined(random_system(5, 3, 2), random_system(6, 2, 2), mathieu_like(2))
     Omega, eps = np.linspace(1.0, 3.0, 6), np.linspace(0.0, 0.8, 9)

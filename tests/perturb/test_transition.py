@@ -268,6 +268,14 @@ def test_higher_harmonics_open_regions_at_fractions() -> None:
         assert found.tip == (0.0 if found.j % 2 else np.inf)
 
 
+def test_edges_of_a_higher_harmonic_are_those_of_the_first_at_a_fraction_of_the_frequency() -> None:
+    one, eps = coupled_mathieu(damping=(0.02, 0.01)), np.array([0.1, 0.3])
+    third = changed(one, cosine=[0 * one.cosine[0], 0 * one.cosine[0], one.cosine[0]], sine=np.zeros((3, 2, 2)))
+    slow = curve(third, "(ω₁+ω₂)/3")
+    for edge, expected in zip(slow.edges(eps), curve(one, "ω₁+ω₂").edges(eps), strict=True):
+        assert edge == pytest.approx(expected / 3, rel=1e-13)
+
+
 def test_a_family_is_taken_at_the_centre_of_each_region() -> None:
     class Family:
         def at(self, Omega: float) -> PeriodicSystem:

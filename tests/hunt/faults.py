@@ -1,0 +1,501 @@
+"""Deliberate faults, each of which the tests named with it must notice; `test_mutations.py` holds them to it.
+
+A fault is one that somebody could make: a sign, a factor, a term left out, a check that no longer checks. ``old`` must
+be in the file exactly once. A test that fails for another reason than the fault would prove nothing, so the same tests
+are run first without any fault.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Fault(NamedTuple):
+    """``name`` says what is wrong in ``file`` once ``old`` reads ``new``; ``tests`` below tests/ must find it.
+
+    ``compiled`` faults are in functions that Numba compiles into others, so that they need a compilation from scratch.
+    """
+
+    name: str
+    file: str
+    old: str
+    new: str
+    tests: str
+    compiled: bool = False
+
+
+TRANSVERSE = "plate/test_transverse.py"
+STATIC, DYNAMIC = "plate/test_inplane_static.py", "plate/test_inplane_dynamic.py"
+PLATE, BASIS, LOADS = "plate/test_moving_plate.py", "plate/test_plate_basis.py", "plate/test_loads.py"
+COUPLING, TRANSITION, SECOND = "perturb/test_coupling.py", "perturb/test_transition.py", "perturb/test_second_order.py"
+DOUBLING, ORACLE = "floquet/test_doubling.py", "floquet/test_chart_oracle.py"
+AGREEMENT, CLAIMS, MATRICES = "compare/test_agreement.py", "compare/test_claims.py", "compare/test_matrices.py"
+
+IDENTITIES = "hunt/test_identities.py"
+
+FAULTS = (
+    # periodic
+    Fault(
+        "G need not be skew-symmetric",
+        "periodic/system.py",
+        "gyroscopic, n), -1)",
+        "gyroscopic, n), 1)",
+        "periodic/test_system.py",
+    ),
+    Fault(
+        "NaN and infinity are accepted",
+        "periodic/checks.py",
+        "if not np.isfinite(array).all():",
+        "if False:",
+        "periodic/test_checks.py",
+    ),
+    Fault(
+        "the rotor misses its centrifugal term",
+        "periodic/examples.py",
+        "np.diag(k - spin**2)",
+        "np.diag(k)",
+        "periodic/test_examples.py",
+    ),
+    Fault(
+        "the square wave without alternating signs",
+        "periodic/examples.py",
+        "(1 if j % 4 == 1 else -1)",
+        "1",
+        "periodic/test_examples.py",
+    ),
+    # plate
+    Fault(
+        "wrong sign in G",
+        "plate/transverse.py",
+        "kronecker(2 * sine_derivative",
+        "kronecker(-2 * sine_derivative",
+        TRANSVERSE,
+    ),
+    Fault(
+        "Poisson's ratio missing in bending",
+        "plate/transverse.py",
+        "- nu * kronecker(alpha2",
+        "- 0 * kronecker(alpha2",
+        TRANSVERSE,
+    ),
+    Fault("twist without 1 - nu", "plate/transverse.py", "2 * (1 - nu) * kronecker", "2 * kronecker", TRANSVERSE),
+    Fault(
+        "transport stiffness of the wrong sign",
+        "plate/transverse.py",
+        "return -kronecker(np.diag(sine",
+        "return kronecker(np.diag(sine",
+        TRANSVERSE,
+    ),
+    Fault("N_yy left out of F", "plate/transverse.py", "integral(N_yy, (s, s)", "0 * integral(N_yy, (s, s)", STATIC),
+    Fault("N_xy counted once", "plate/transverse.py", "integral(N_xy, (s, s_X)", "0 * integral(N_xy, (s, s_X)", STATIC),
+    Fault("missing V^2", "plate/parameters.py", "self.speed**2 * K_og", "self.speed * K_og", PLATE),
+    Fault(
+        "damping in proportion to all of K",
+        "plate/parameters.py",
+        "self.damping * self.elastic_stiffness",
+        "self.damping * self._stiffness",
+        PLATE,
+    ),
+    Fault("dropped sine part of the stress", "plate/parameters.py", "sine=-F.imag", "sine=0 * F.imag", DYNAMIC),
+    Fault(
+        "only the first harmonic of the load",
+        "plate/parameters.py",
+        "self._stress.stiffness(j, Omega)",
+        "self._stress.stiffness(1, Omega)",
+        PLATE,
+    ),
+    Fault("wave speed without the root", "plate/parameters.py", "math.sqrt(12) / self", "12 / self", DYNAMIC),
+    Fault(
+        "wrong Legendre normalisation",
+        "plate/basis.py",
+        "np.arange(1.0, 2.0 * terms, 2.0)",
+        "np.arange(2.0, 2.0 * terms + 1, 2.0)",
+        BASIS,
+    ),
+    Fault("derivative of sines with the wrong sign", "plate/basis.py", "(i**2 - k**2)", "(k**2 - i**2)", BASIS),
+    Fault("shear modulus with 1 + nu", "plate/inplane.py", "shear = (1 - nu) / 2", "shear = (1 + nu) / 2", STATIC),
+    Fault(
+        "shear coupling of the wrong sign", "plate/inplane.py", "nu * D - shear * D.T", "nu * D + shear * D.T", STATIC
+    ),
+    Fault("N_yy without Poisson's ratio", "plate/inplane.py", "v_Y + nu * u_X", "v_Y + u_X", STATIC),
+    Fault(
+        "in-plane transport terms left out",
+        "plate/inplane.py",
+        "1j * kappa * mach * self.gyroscopic",
+        "0j * self.gyroscopic",
+        DYNAMIC,
+    ),
+    Fault(
+        "in-plane inertia of the wrong sign",
+        "plate/inplane.py",
+        "- kappa**2 * self.inertia",
+        "+ kappa**2 * self.inertia",
+        DYNAMIC,
+    ),
+    Fault(
+        "viscous part of the stress left out",
+        "plate/inplane.py",
+        "return (1 + 1j * loss) * coefficients",
+        "return coefficients",
+        DYNAMIC,
+    ),
+    Fault(
+        "wrong harmonic of the stress",
+        "plate/dynamic.py",
+        "*self._at(harmonic * Omega)), X, Y)",
+        "*self._at(Omega)), X, Y)",
+        DYNAMIC,
+    ),
+    Fault(
+        "membrane load without its sine part",
+        "plate/stress.py",
+        "- 1j * self._stiffness(f_s)",
+        "- 0j * self._stiffness(f_s)",
+        PLATE,
+    ),
+    Fault("sawtooth upside down", "plate/loads.py", "(-1) ** (j + 1)", "(-1) ** j", LOADS),
+    Fault("triangle with 1/j", "plate/loads.py", "8 / (math.pi * j) ** 2", "8 / (math.pi * j)", LOADS),
+    Fault(
+        "quadrature of the load too coarse",
+        "plate/distribution.py",
+        "self._gauss_values(2 * terms - 2)",
+        "self._gauss_values(terms - 1)",
+        "plate/test_distribution.py",
+    ),
+    Fault("D with 1 - nu", "plate/si.py", "12 * (1 - nu**2)", "12 * (1 - nu)", PLATE),
+    Fault(
+        "the plate moves one way only",
+        "plate/parameters.py",
+        "gyroscopic=self.speed * self._gyroscopic",
+        "gyroscopic=abs(self.speed) * self._gyroscopic",
+        IDENTITIES,
+    ),
+    # perturb
+    Fault("missing 1/4 in L", "perturb/coupling.py", "forward = 0.5j * modes", "forward = 1j * modes", COUPLING),
+    Fault(
+        "difference resonances like sums",
+        "perturb/coupling.py",
+        'sign = 1 if kind == "sum" else -1',
+        "sign = 1",
+        COUPLING,
+    ),
+    Fault(
+        "dropped sine of the excitation",
+        "perturb/coupling.py",
+        "- 1j * system.sine[j - 1]",
+        "- 0j * system.sine[j - 1]",
+        COUPLING,
+    ),
+    Fault(
+        "(28b) as printed",
+        "perturb/coupling.py",
+        "- g11 - 1j * g12)  # eq. (28b)",
+        "- g12 - 1j * g12)  # eq. (28b)",
+        COUPLING,
+    ),
+    Fault(
+        "swapped p and q",
+        "perturb/transition.py",
+        "TransitionCurve(p + 1, q + 1",
+        "TransitionCurve(q + 1, p + 1",
+        TRANSITION,
+    ),
+    Fault(
+        "harmonic j at the frequency of the first",
+        "perturb/transition.py",
+        "/ np.array(multiples)[:, None]",
+        "/ np.ones(len(multiples))[:, None]",
+        TRANSITION,
+    ),
+    Fault(
+        "harmonics meet only themselves",
+        "perturb/transition.py",
+        "{a + b for a in direct for b in direct}",
+        "{2 * a for a in direct}",
+        SECOND,
+    ),
+    Fault(
+        "elastic limit used for damped pairs",
+        "perturb/pair.py",
+        "root = S * np.sqrt(imag**2 + 4 * product * (real - product))",
+        "root = 2 * product * np.sqrt(real)",
+        "perturb/test_pair.py",
+    ),
+    Fault(
+        "tip without its factor",
+        "perturb/pair.py",
+        "np.sqrt(2 * C_p * C_q / reach)",
+        "np.sqrt(C_p * C_q / reach)",
+        "perturb/test_pair.py",
+    ),
+    Fault(
+        "vanishing damping widens nothing",
+        "perturb/pair.py",
+        "(C_p + C_q) / (2 * np.sqrt(C_p * C_q)), 1.0)",
+        "1.0, 1.0)",
+        TRANSITION,
+    ),
+    Fault(
+        "modes normalised to 1, not 2",
+        "perturb/modes.py",
+        "np.sqrt(2.0 / norm)",
+        "np.sqrt(1.0 / norm)",
+        "perturb/test_modes.py",
+    ),
+    Fault(
+        "decay in proportion to omega",
+        "perturb/modes.py",
+        'self.frequencies**2 * np.einsum("in,ij,jn->n", self',
+        'self.frequencies * np.einsum("in,ij,jn->n", self',
+        "perturb/test_modes.py",
+    ),
+    Fault(
+        "sign of the detuning",
+        "perturb/expansion.py",
+        "- x * np.diag(self.states[:, 1])",
+        "+ x * np.diag(self.states[:, 1])",
+        SECOND,
+    ),
+    Fault(
+        "second-order sum without one harmonic",
+        "perturb/expansion.py",
+        "range(min(h) - J, max(h) + J + 1)",
+        "range(min(h) - J + 1, max(h) + J + 1)",
+        SECOND,
+    ),
+    Fault(
+        "second-order sum counted twice", "perturb/expansion.py", "np.divide(-0.5j, gap", "np.divide(-1j, gap", SECOND
+    ),
+    Fault("E of -j as of +j", "perturb/expansion.py", "omega[:, None] * downward", "omega[:, None] * upward", SECOND),
+    Fault("edges without 1/j", "perturb/curve.py", "self.centre + high / self.j", "self.centre + high", TRANSITION),
+    # floquet: the chart
+    Fault("weakened step rule", "floquet/column.py", "LEAST_STEPS = 16.0", "LEAST_STEPS = 2.0", ORACLE),
+    Fault("processor term dropped", "floquet/kernels.py", "h**3 * eps[a] ** 2 / 12.0", "0.0 * eps[a]", DOUBLING, True),
+    Fault("sign of the excitation", "floquet/kernels.py", "-h * eps[a]", "h * eps[a]", DOUBLING, True),
+    Fault(
+        "dropped sine in the steps",
+        "floquet/kernels.py",
+        "np.sin((j + 1) * theta) * Fs[j]",
+        "0.0 * Fs[j]",
+        DOUBLING,
+        True,
+    ),
+    Fault(
+        "sines at half their size",
+        "floquet/kernels.py",
+        "np.sin((j + 1) * theta) * Fs[j]",
+        "0.5 * np.sin((j + 1) * theta) * Fs[j]",
+        IDENTITIES,
+        True,
+    ),
+    Fault(
+        "half of G in the symplectic coordinates",
+        "floquet/coordinates.py",
+        "half = block.G / 2",
+        "half = block.G / 4",
+        ORACLE,
+    ),
+    Fault("damping drives", "floquet/coordinates.py", "-block.G - block.C]", "-block.G + block.C]", DOUBLING),
+    Fault(
+        "second factor at the wrong phase",
+        "floquet/doubling.py",
+        "_to_phases(p, q, 2 * math.pi / B)",
+        "_to_phases(p, q, -2 * math.pi / B)",
+        DOUBLING,
+    ),
+    Fault(
+        "Chebyshev series with all of its constant",
+        "floquet/interpolation.py",
+        "coefficients[0] /= 2",
+        "coefficients[0] /= 1",
+        DOUBLING,
+    ),
+    Fault(
+        "weak couplings are no couplings",
+        "floquet/split.py",
+        "COUPLING = 1e-11",
+        "COUPLING = 1e-2",
+        "floquet/test_split.py",
+    ),
+    Fault(
+        "gap margin removed",
+        "floquet/verdict.py",
+        "(found.gap > APART * np.sqrt(E))",
+        "(found.gap >= 0)",
+        "floquet/test_chart_verdict.py",
+    ),
+    Fault(
+        "undecided counted as stable",
+        "floquet/verdict.py",
+        "np.where(log_modulus < -error, Kind.STABLE",
+        "np.where(log_modulus < error, Kind.STABLE",
+        "floquet/test_chart_verdict.py",
+    ),
+    Fault(
+        "audit disabled",
+        "floquet/chart.py",
+        "return chart if audit == 0 else",
+        "return chart if audit >= 0 else",
+        "floquet/test_chart.py::test_audit",
+    ),
+    Fault(
+        "audit overlooks contradictions",
+        "floquet/audit.py",
+        "return not self.contradictions.any() and not",
+        "return not",
+        "floquet/test_chart.py::test_contradiction_is_not_ok",
+    ),
+    Fault(
+        "cache key without eps",
+        "floquet/checkpoint.py",
+        "for array in (Omega, eps, np.array(steps)):",
+        "for array in (Omega, np.array(steps)):",
+        "floquet/test_checkpoint.py",
+    ),
+    Fault(
+        "damaged blocks are trusted",
+        "floquet/checkpoint.py",
+        "if hashlib.sha256(content).digest() != digest:",
+        "if False:",
+        "floquet/test_checkpoint.py",
+    ),
+    # floquet: the single point, the boundaries, the proofs
+    Fault(
+        "errors arrive as they were made",
+        "floquet/monodromy.py",
+        "np.sum(np.linalg.norm(after, 2, axis=(1, 2)) * errors",
+        "np.sum(errors",
+        "floquet/test_exact_boundary.py",
+    ),
+    Fault(
+        "multipliers lost in their error look known",
+        "floquet/multipliers.py",
+        "np.log(max(1 - down / modulus[top], np.finfo(float).tiny))",
+        "np.log(max(1 - down / modulus[top], 0.5))",
+        "floquet/test_exact_boundary.py",
+    ),
+    Fault(
+        "Krein's signature ignored",
+        "floquet/multipliers.py",
+        "signs[0] * signs[-1] > 0 and",
+        "True or",
+        "floquet/test_multipliers.py",
+    ),
+    Fault(
+        "gyroscopic systems called reversible",
+        "floquet/reduction.py",
+        "(C.any() or G.any() or sines.any())",
+        "(C.any() or sines.any())",
+        "floquet/test_oracle_reduction.py",
+    ),
+    Fault(
+        "cosines in place of sines",
+        "floquet/reduction.py",
+        "factors[:, :J], factors[:, J:]",
+        "factors[:, :J], factors[:, :J]",
+        IDENTITIES,
+    ),
+    Fault(
+        "dropped couplings not charged",
+        "floquet/reduction.py",
+        "block.neglected + float(neglected)",
+        "block.neglected",
+        "floquet/test_oracle_reduction.py",
+    ),
+    Fault(
+        "derivatives of the excitation without sign",
+        "floquet/taylor.py",
+        "c, s = -s, c",
+        "c, s = s, c",
+        "floquet/test_oracle_taylor.py",
+        True,
+    ),
+    Fault(
+        "cancelling terms forgotten in the rounding",
+        "floquet/taylor.py",
+        "squares += square",
+        "squares += 0.0",
+        "floquet/test_oracle_taylor.py",
+        True,
+    ),
+    Fault(
+        "lower edge above the upper",
+        "floquet/boundary.py",
+        "for side in (-1, 1))",
+        "for side in (1, -1))",
+        "floquet/test_boundary.py",
+    ),
+    Fault(
+        "sum resonances sought as differences",
+        "floquet/resonance.py",
+        "vectors[:, q].conj() if kind",
+        "vectors[:, q] if kind",
+        "floquet/test_boundary.py",
+    ),
+    Fault(
+        "even tongues of the kind of odd ones",
+        "floquet/names.py",
+        "if self.j % 2 == 0",
+        "if self.j % 2 == 1",
+        "floquet/test_regions.py",
+    ),
+    Fault(
+        "remainder of the series left out of the proof",
+        "floquet/enclosure.py",
+        "[bound * arb(0, 1)] * size**2",
+        "[arb(0)] * size**2",
+        "floquet/test_certified.py",
+    ),
+    # compare
+    Fault(
+        "a theory is content with the order below",
+        "compare/agreement.py",
+        "wanted = order + 1",
+        "wanted = order",
+        AGREEMENT,
+    ),
+    Fault(
+        "what cannot be told counts as agreement", "compare/agreement.py", "if undecided.any():", "if False:", AGREEMENT
+    ),
+    Fault(
+        "damping the same on every rung",
+        "compare/agreement.py",
+        "self.factor * system.damping",
+        "system.damping",
+        AGREEMENT,
+    ),
+    Fault(
+        "a claim holds with limits if nothing holds",
+        "compare/evidence.py",
+        "Verdict.LIMITS if any(throughout)",
+        "Verdict.LIMITS if True",
+        CLAIMS,
+    ),
+    Fault("differences within the errors decide", "compare/evidence.py", "abs(margin) > 2 * error", "True", CLAIMS),
+    Fault(
+        "cosines read as sines",
+        "compare/matrices.py",
+        '(("cosine", "c"), ("sine", "s"))',
+        '(("cosine", "s"), ("sine", "c"))',
+        MATRICES,
+    ),
+    Fault("zip bombs are opened", "compare/matrices.py", "if member.file_size > MOST_BYTES:", "if False:", MATRICES),
+    Fault(
+        "MATLAB's columns read as rows",
+        "compare/matlab_file.py",
+        'reshape(shape, order="F")',
+        "reshape(shape)",
+        MATRICES,
+    ),
+    Fault(
+        "skew-symmetric read as symmetric",
+        "compare/matrix_market.py",
+        '"skew-symmetric": -1',
+        '"skew-symmetric": 1',
+        MATRICES,
+    ),
+    Fault("unknown keys are ignored", "compare/cases.py", 'extra="forbid"', 'extra="ignore"', "compare/test_cases.py"),
+    Fault(
+        "half-written results", "compare/publish.py", "stage = Path(name)", "stage = target", "compare/test_publish.py"
+    ),
+)
