@@ -100,7 +100,6 @@ def test_monodromy_finds_the_boundary_among_other_coordinates(name: str, k: floa
     assert monodromy(system, 1.0, 1.0).kind == Kind.UNDECIDED
 
 
-@pytest.mark.xfail(reason="the chart decides at k = -2.875, -2.8125, -2.4375, -1.25 and others", strict=True)
 def test_chart_decides_nothing_on_a_boundary() -> None:
     decided = []
     for name, family in FAMILIES.items():
