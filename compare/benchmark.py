@@ -197,7 +197,9 @@ def cheapest(
 def multipliers(solve: Solve, Omega: float, eps: float) -> NDArray[np.complex128]:
     """Return the multipliers as ``solve`` finds them, NaN where it overflowed."""
     matrix = solve(Omega, eps)
-    return np.linalg.eigvals(matrix if np.isfinite(matrix).all() else np.full((1, 1), np.nan)).astype(np.complex128)
+    if not np.isfinite(matrix).all():
+        return np.full(1, np.nan, np.complex128)
+    return np.linalg.eigvals(matrix).astype(np.complex128)
 
 
 def error(mu: NDArray[np.complex128], exact: NDArray[np.complex128], criterion: str) -> float:

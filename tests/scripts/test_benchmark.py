@@ -79,7 +79,8 @@ def test_errors_of_multipliers() -> None:
     assert benchmark.error(exact + np.array([0, 0, 0.02]), exact, "largest") == 0
     assert benchmark.error(exact + np.array([0, 0, 0.02]), exact, "all") == pytest.approx(0.01)
     assert benchmark.error(2 * exact, exact, "largest") == pytest.approx(np.log(2))
-    assert benchmark.error(np.array([np.nan]), exact, "all") == np.inf
+    overflown = benchmark.multipliers(lambda Omega, eps: np.full((3, 3), np.inf), 1.0, 1.0)
+    assert benchmark.error(overflown, exact, "all") == np.inf
 
 
 def test_stages_add_up_to_a_chart() -> None:
