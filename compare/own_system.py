@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from compare.exploration import MODES_SHOWN, MOST_POINTS, default_window
-from compare.matrices import FIELDS, load_system
+from compare.explorer.exploration import MODES_SHOWN, MOST_POINTS, default_window
+from compare.files.matrices import FIELDS, load_system
 from compare.study import Subject
 from compare.truncation import lowest_modes
 from periodic import PeriodicSystem
@@ -57,9 +57,9 @@ def own_system(
     Parameters
     ----------
     path : str or Path
-        As for `compare.matrices.load_system`.
+        As for `compare.files.matrices.load_system`.
     Omega_range, eps_max : optional
-        The window; what is left out is `compare.exploration.default_window`'s.
+        The window; what is left out is `compare.explorer.exploration.default_window`'s.
     all_modes : bool
         Keep a large system as it is, however long it takes (`compare.truncation.lowest_modes`).
 

@@ -11,8 +11,8 @@ from pathlib import Path
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
 from compare.claims import ClaimVerdict
-from compare.evidence import Traced
-from compare.quantities import Measured
+from compare.claims.evidence import Traced
+from compare.claims.quantities import Measured
 from compare.study import CaseStudy, VariantStudy
 from compare.validity import validity
 

@@ -11,7 +11,7 @@ import numpy as np
 from tqdm import tqdm
 
 from compare.agreement import DEFAULT_LADDER, RegionAgreement, agreement
-from compare.cases import Case
+from compare.files.cases import Case
 from compare.overlay import Figure, Layer, overlay, region_panels, variant_panels
 from floquet import BoundaryTrace, StabilityChart, stability_chart, trace_boundary
 from floquet.checkpoint import BlockStore
@@ -192,7 +192,7 @@ def run_case(
     Parameters
     ----------
     case : Case or Subject
-        From `compare.cases.load_case` or `compare.own_system.system_subject`.
+        From `compare.files.cases.load_case` or `compare.own_system.system_subject`.
     n_jobs : int
         Workers, as in joblib; -1 for all cores.
     quick : bool

@@ -7,7 +7,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from compare import benchmark, stages
+from compare.speed import benchmark, stages
 
 EPILOG = """\
 Peers that are not installed are skipped; pip install 'floquet-charts[bench]' brings them. Set OPENBLAS_NUM_THREADS=1,

@@ -12,8 +12,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from compare.cases import load_case
-from compare.matrices import load_system
+from compare.files.cases import load_case
+from compare.files.matrices import load_system
 from periodic import PeriodicSystem, SystemFamily, examples
 from periodic.checks import real_number
 from plate import MovingPlate

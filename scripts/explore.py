@@ -14,14 +14,14 @@ from typing import Any
 
 import numpy as np
 
-from compare.cases import Plate, load_case
-from compare.exploration import default_window, explore
+from compare.explorer.exploration import default_window, explore
+from compare.explorer.response import responses
+from compare.explorer.sweep import sweep
+from compare.explorer.sweep_picture import sweep_picture
+from compare.explorer.variation import SWEEPABLE, plate_table
+from compare.files.cases import Plate, load_case
+from compare.files.publish import staged
 from compare.own_system import own_system
-from compare.publish import staged
-from compare.response import responses
-from compare.sweep import sweep
-from compare.sweep_picture import sweep_picture
-from compare.variation import SWEEPABLE, plate_table
 from floquet.checkpoint import BlockStore
 from floquet_scripts import running
 from periodic import PeriodicSystem, SystemFamily
@@ -222,7 +222,7 @@ def _sweep_values(text: str) -> tuple[str, np.ndarray]:
 def _bokeh(option: str, module: str = "page") -> Any:
     """Return a module of compare/ that needs Bokeh, which is not everybody's."""
     try:
-        return import_module(f"compare.{module}")
+        return import_module(f"compare.explorer.{module}")
     except ModuleNotFoundError:
         raise ValueError(f"{option} needs bokeh; install it with: pip install 'floquet-charts[explore]'") from None
 

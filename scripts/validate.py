@@ -8,11 +8,11 @@ import json
 import sys
 from pathlib import Path
 
-from compare.cases import load_case, shipped_cases
 from compare.claims import ClaimVerdict, judge_claims
-from compare.exploration import MODES_SHOWN
+from compare.explorer.exploration import MODES_SHOWN
+from compare.files.cases import load_case, shipped_cases
+from compare.files.publish import staged
 from compare.own_system import POINTS, own_system, system_subject
-from compare.publish import staged
 from compare.report import write_report
 from compare.study import CaseStudy, Subject, run_case
 from floquet.checkpoint import BlockStore

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from compare.cases import load_case
+from compare.files.cases import load_case
 from plate import MovingPlate
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from compare.claim_inplane import stress_equals_linear_load
-from compare.claim_regions import first_and_third_combine_most, higher_regions_smaller, no_difference_regions
-from compare.claim_trends import damping_shrinks, narrower_load_shrinks
 from compare.claims import CLAIMS
-from compare.evidence import ClaimVerdict, Finding, Verdict, judged
-from compare.quantities import Measured, Quantity, number, regions, width
-from compare.survey import ClaimRange, middle_part
+from compare.claims.evidence import ClaimVerdict, Finding, Verdict, judged
+from compare.claims.inplane import stress_equals_linear_load
+from compare.claims.quantities import Measured, Quantity, number, regions, width
+from compare.claims.regions import first_and_third_combine_most, higher_regions_smaller, no_difference_regions
+from compare.claims.survey import ClaimRange, middle_part
+from compare.claims.trends import damping_shrinks, narrower_load_shrinks
 from plate import MovingPlate
 
 # A plate of 3 x 5 coordinates and few variations: what a claim says of it is computed in a second or two.

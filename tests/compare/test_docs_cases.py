@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from pydantic import BaseModel
 
-from compare.cases import Case, Chart, Load, Plate, Variant, load_case
+from compare.files.cases import Case, Chart, Load, Plate, Variant, load_case
 from plate import EdgeLoad, MovingPlate
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "cases.md").read_text(encoding="utf-8")

@@ -13,7 +13,7 @@ import scipy.sparse
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compare.matrices import MOST_COORDINATES, load_system, save_system
+from compare.files.matrices import MOST_COORDINATES, load_system, save_system
 from periodic import PeriodicSystem
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu, meissner
 

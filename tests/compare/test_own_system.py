@@ -10,8 +10,8 @@ import pytest
 from finite_elements import column
 
 from compare import truncation
-from compare.exploration import default_window
-from compare.matrices import save_system
+from compare.explorer.exploration import default_window
+from compare.files.matrices import save_system
 from compare.own_system import OwnSystem, own_system, system_subject
 from compare.study import run_case
 from compare.truncation import MOST_WHOLE, REACH, lowest_modes

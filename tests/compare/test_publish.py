@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from compare.publish import staged
+from compare.files.publish import staged
 
 
 def _write(folder: Path, **files: str) -> None:

@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from compare.cases import load_case
-from compare.evidence import ClaimVerdict, Finding, judged
-from compare.quantities import Measured, Quantity
+from compare.claims.evidence import ClaimVerdict, Finding, judged
+from compare.claims.quantities import Measured, Quantity
+from compare.files.cases import load_case
 from compare.report import _measured, write_report
 from compare.study import CaseStudy, run_case
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from compare.response import SAMPLES, clickable_points, response, responses
+from compare.explorer.response import SAMPLES, clickable_points, response, responses
 from floquet import Kind, monodromy, stability_chart
 from periodic import PeriodicSystem
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu, meissner

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from compare.cases import Load, Plate, load_case
-from compare.sweep import sweep
-from compare.sweep_picture import sweep_picture
-from compare.variation import SWEEPABLE, current, plate_table, varied
+from compare.explorer.sweep import sweep
+from compare.explorer.sweep_picture import sweep_picture
+from compare.explorer.variation import SWEEPABLE, current, plate_table, varied
+from compare.files.cases import Load, Plate, load_case
 from floquet import monodromy
 
 SMALL = Plate(axial_terms=2, lateral_terms=2)

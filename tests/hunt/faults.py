@@ -517,36 +517,50 @@ FAULTS = (
     ),
     Fault(
         "a claim holds with limits if nothing holds",
-        "compare/evidence.py",
+        "compare/claims/evidence.py",
         "Verdict.LIMITS if any(throughout)",
         "Verdict.LIMITS if True",
         CLAIMS,
     ),
-    Fault("differences within the errors decide", "compare/evidence.py", "abs(margin) > 2 * error", "True", CLAIMS),
+    Fault(
+        "differences within the errors decide", "compare/claims/evidence.py", "abs(margin) > 2 * error", "True", CLAIMS
+    ),
     Fault(
         "cosines read as sines",
-        "compare/matrices.py",
+        "compare/files/matrices.py",
         '(("cosine", "c"), ("sine", "s"))',
         '(("cosine", "s"), ("sine", "c"))',
         MATRICES,
     ),
-    Fault("zip bombs are opened", "compare/matrices.py", "if member.file_size > MOST_BYTES:", "if False:", MATRICES),
+    Fault(
+        "zip bombs are opened", "compare/files/matrices.py", "if member.file_size > MOST_BYTES:", "if False:", MATRICES
+    ),
     Fault(
         "MATLAB's columns read as rows",
-        "compare/matlab_file.py",
+        "compare/files/matlab_file.py",
         'reshape(shape, order="F")',
         "reshape(shape)",
         MATRICES,
     ),
     Fault(
         "skew-symmetric read as symmetric",
-        "compare/matrix_market.py",
+        "compare/files/matrix_market.py",
         '"skew-symmetric": -1',
         '"skew-symmetric": 1',
         MATRICES,
     ),
-    Fault("unknown keys are ignored", "compare/cases.py", 'extra="forbid"', 'extra="ignore"', "compare/test_cases.py"),
     Fault(
-        "half-written results", "compare/publish.py", "stage = Path(name)", "stage = target", "compare/test_publish.py"
+        "unknown keys are ignored",
+        "compare/files/cases.py",
+        'extra="forbid"',
+        'extra="ignore"',
+        "compare/test_cases.py",
+    ),
+    Fault(
+        "half-written results",
+        "compare/files/publish.py",
+        "stage = Path(name)",
+        "stage = target",
+        "compare/test_publish.py",
     ),
 )

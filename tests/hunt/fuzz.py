@@ -26,8 +26,8 @@ import scipy.sparse
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT)]
 
-from compare.cases import Plate, load_case  # noqa: E402
-from compare.matrices import FIELDS, load_system  # noqa: E402
+from compare.files.cases import Plate, load_case  # noqa: E402
+from compare.files.matrices import FIELDS, load_system  # noqa: E402
 from floquet import monodromy  # noqa: E402
 from periodic import PeriodicSystem  # noqa: E402
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, meissner  # noqa: E402

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from compare import benchmark, stages
-from compare.peers import PEERS, Equations, modal_equations, rk4
+from compare.speed import benchmark, stages
+from compare.speed.peers import PEERS, Equations, modal_equations, rk4
 from floquet import monodromy
 
 ROOT = Path(__file__).resolve().parents[2]

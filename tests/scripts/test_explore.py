@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from finite_elements import column
 
-from compare.matrices import save_system
+from compare.files.matrices import save_system
 from floquet import StabilityChart, stability_chart
 from floquet_scripts import explore
 from periodic.examples import coupled_mathieu, mathieu
@@ -154,7 +154,9 @@ def test_an_old_result_survives_a_failure(run: Run, tmp_path: Path) -> None:
 
 def test_without_bokeh_it_says_what_to_install(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "bokeh", None)
-    for name in [name for name in sys.modules if name.startswith(("bokeh.", "compare.page", "compare.live"))]:
+    for name in [
+        name for name in sys.modules if name.startswith(("bokeh.", "compare.explorer.page", "compare.explorer.live"))
+    ]:
         monkeypatch.delitem(sys.modules, name)
     status, _, errors = run("--system", "pair.npz", "--points", 8, 4, "--html")
     assert (status, errors) == (

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from finite_elements import column
 
-from compare.matrices import save_system
+from compare.files.matrices import save_system
 from floquet_scripts.validate import main
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from compare.outlines import draw_outlines
+from compare.explorer.outlines import draw_outlines
 from compare.overlay import overlay
 from floquet import Region, StabilityChart, stability_chart, trace_regions
 from floquet.checkpoint import BlockStore

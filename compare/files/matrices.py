@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 from scipy.io import savemat
 
-from compare.matlab_file import read_matlab
-from compare.matrix_market import read_matrix_market, write_matrix_market
-from compare.publish import staged
+from compare.files.matlab_file import read_matlab
+from compare.files.matrix_market import read_matrix_market, write_matrix_market
+from compare.files.publish import staged
 from periodic import PeriodicSystem
 from periodic.checks import FloatArray, real_array
 

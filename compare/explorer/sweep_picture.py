@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from compare.explorer.sweep import MOST_TIP, Sweep
 from compare.overlay import BLUE, GREEN, GREY, ORANGE, PURPLE, STYLE, new_figure
-from compare.sweep import MOST_TIP, Sweep
 
 # Okabe and Ito's colours that stand out from white.
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, "#E69F00", "#56B4E9", "#000000")
@@ -30,7 +30,7 @@ def sweep_picture(result: Sweep, *, title: str = "") -> Figure:
     Parameters
     ----------
     result : Sweep
-        From `compare.sweep.sweep`.
+        From `compare.explorer.sweep.sweep`.
     title : str
         Heading.
 

@@ -1,6 +1,6 @@
 """The paper's claims, each decided by computation over a stated range of parameters.
 
-`judge_claims` runs all of them. The rule that turns evidence into a verdict is in `compare.evidence`.
+`judge_claims` runs all of them. The rule that turns evidence into a verdict is in `compare.claims.evidence`.
 """
 
 from __future__ import annotations
@@ -9,8 +9,9 @@ from collections.abc import Callable
 
 from tqdm import tqdm
 
-from compare.claim_inplane import inertia_hardly_matters, inertia_shifts_regions, stress_equals_linear_load
-from compare.claim_regions import (
+from compare.claims.evidence import ClaimVerdict, Verdict
+from compare.claims.inplane import inertia_hardly_matters, inertia_shifts_regions, stress_equals_linear_load
+from compare.claims.regions import (
     boundaries_are_straight,
     combination_regions_smaller,
     first_and_third_combine_most,
@@ -18,9 +19,8 @@ from compare.claim_regions import (
     no_difference_regions,
     nothing_elsewhere,
 )
-from compare.claim_trends import damping_shrinks, longer_plate_shrinks, narrower_load_shrinks
-from compare.evidence import ClaimVerdict, Verdict
-from compare.survey import QUICK_RANGE, ClaimRange
+from compare.claims.survey import QUICK_RANGE, ClaimRange
+from compare.claims.trends import damping_shrinks, longer_plate_shrinks, narrower_load_shrinks
 from floquet.parallel import gather
 
 __all__ = ["CLAIMS", "ClaimRange", "ClaimVerdict", "Verdict", "judge_claims"]
@@ -52,7 +52,7 @@ def judge_claims(*, n_jobs: int = -1, progress: bool = False, quick: bool = Fals
     progress : bool
         Show a progress bar.
     quick : bool
-        Judge over a smaller range of parameters (`compare.survey.QUICK_RANGE`).
+        Judge over a smaller range of parameters (`compare.claims.survey.QUICK_RANGE`).
 
     Returns
     -------

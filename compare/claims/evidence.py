@@ -19,7 +19,7 @@ from enum import StrEnum
 from functools import cached_property
 from typing import Any
 
-from compare.quantities import Measured, Quantity
+from compare.claims.quantities import Measured, Quantity
 
 # So many findings of a group are tried until integration is decisive; regions that merge with others cannot be told.
 ATTEMPTS = 3

@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 from tqdm import tqdm
 
-from compare.cases import Plate
-from compare.variation import SWEEPABLE, varied
+from compare.explorer.variation import SWEEPABLE, varied
+from compare.files.cases import Plate
 from floquet import Kind, monodromy, trace_boundary
 from floquet.parallel import gather
 from periodic.checks import FloatArray, grid, one_of, real_number

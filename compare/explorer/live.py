@@ -24,11 +24,11 @@ from bokeh.models import Select, Slider
 from bokeh.models.layouts import LayoutDOM
 from bokeh.server.server import Server
 
-from compare.cases import Plate
-from compare.exploration import Exploration, analytic_curves
-from compare.page import Page
-from compare.response import response
-from compare.variation import current, varied
+from compare.explorer.exploration import Exploration, analytic_curves
+from compare.explorer.page import Page
+from compare.explorer.response import response
+from compare.explorer.variation import current, varied
+from compare.files.cases import Plate
 from floquet import StabilityChart, stability_chart
 from periodic import SystemFamily
 from periodic.checks import whole_number

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise, product
 
-from compare.evidence import ClaimVerdict, Finding, judged
-from compare.quantities import Quantity, Region, distance, middle, regions, width
-from compare.survey import ClaimRange, Named, middle_part, part_name, some
+from compare.claims.evidence import ClaimVerdict, Finding, judged
+from compare.claims.quantities import Quantity, Region, distance, middle, regions, width
+from compare.claims.survey import ClaimRange, Named, middle_part, part_name, some
 from plate import MovingPlate
 
 # A region whose middle moves by less than this part of its frequency has stayed in place, to the eye.

@@ -37,10 +37,10 @@ from bokeh.palettes import Blues256
 from bokeh.plotting import figure
 from bokeh.resources import INLINE
 
-from compare.exploration import Exploration
+from compare.explorer.exploration import Exploration
+from compare.explorer.page_data import cell_data, curve_data, label_data, outline_data, point_data
+from compare.explorer.response import Response
 from compare.overlay import BLUE, GREEN, GREY, ORANGE, PURPLE
-from compare.page_data import cell_data, curve_data, label_data, outline_data, point_data
-from compare.response import Response
 from floquet import Kind
 
 SCRIPT = (Path(__file__).parent / "page.js").read_text(encoding="utf-8")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from compare.cases import Case, Load, Plate
+from compare.files.cases import Case, Load, Plate
 from periodic.checks import one_of, real_number
 
 NUMBERS = ("speed", "tension", "damping", "aspect_ratio", "poisson_ratio", "thickness_ratio")

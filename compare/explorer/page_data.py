@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.outlines import closed
-from compare.response import Response
+from compare.explorer.outlines import closed
+from compare.explorer.response import Response
 from floquet import Kind, Region, StabilityChart
 from perturb import TransitionCurve
 

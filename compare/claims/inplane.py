@@ -8,9 +8,9 @@ from itertools import product
 
 import numpy as np
 
-from compare.evidence import ClaimVerdict, Finding, judged
-from compare.quantities import distance, middle, number, regions, width
-from compare.survey import ClaimRange, Named, some
+from compare.claims.evidence import ClaimVerdict, Finding, judged
+from compare.claims.quantities import distance, middle, number, regions, width
+from compare.claims.survey import ClaimRange, Named, some
 from plate import EdgeLoad, MovingPlate
 
 # Stresses that differ by less than this part of the mean load (root mean square over the plate) are the same stress.

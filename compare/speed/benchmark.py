@@ -17,8 +17,8 @@ from llvmlite.binding import get_host_cpu_name
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_info
 
-from compare.peers import PEERS, Peer, Solve, modal_equations, rk4
-from compare.stages import Stages, chart_multipliers, stages
+from compare.speed.peers import PEERS, Peer, Solve, modal_equations, rk4
+from compare.speed.stages import Stages, chart_multipliers, stages
 from floquet import StabilityChart, monodromy, stability_chart
 from periodic.checks import FloatArray
 from plate import EdgeLoad, MovingPlate
@@ -252,7 +252,7 @@ def scaling(plan: Plan) -> list[tuple[str, float, float]]:
 
 IMPORT = "import floquet, plate, perturb"
 CHART = """
-from compare.benchmark import grids, plate
+from compare.speed.benchmark import grids, plate
 from floquet import stability_chart
 stability_chart(plate({size}, {damping}), *grids({columns}, {rows}), n_jobs=1, audit=0, progress=False)
 """
@@ -298,7 +298,7 @@ def start_up(plan: Plan) -> list[tuple[str, float, float, float]]:
     ]
 
 
-# A chart costs per point as much as this many steps of `compare.peers.rk4` at the same size, elastic and damped: about
+# A chart costs per point as much as this many steps of `peers.rk4` at the same size, elastic and damped: about
 # twice what one run measured (2.7, 3.1, 1.7, 1.8), which is more than the scatter on a shared machine.
 LIMITS = {(12, 0.0): 6.0, (12, DAMPING): 6.0, (28, 0.0): 3.5, (28, DAMPING): 3.5}
 REFERENCE_STEPS = 2000

@@ -1,4 +1,4 @@
-"""What others would use to find multipliers at a point: the methods that `compare.benchmark` times."""
+"""What others would use to find multipliers at a point: the methods that `compare.speed.benchmark` times."""
 
 from __future__ import annotations
 

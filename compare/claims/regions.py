@@ -7,9 +7,9 @@ from itertools import pairwise, product
 
 import numpy as np
 
-from compare.evidence import ClaimVerdict, Finding, judged
-from compare.quantities import distance, middle, number, part_of, regions, width
-from compare.survey import ClaimRange, skew_loads, some, symmetric_loads
+from compare.claims.evidence import ClaimVerdict, Finding, judged
+from compare.claims.quantities import distance, middle, number, part_of, regions, width
+from compare.claims.survey import ClaimRange, skew_loads, some, symmetric_loads
 from perturb import gyroscopic_modes
 from plate import MovingPlate
 

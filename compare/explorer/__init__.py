@@ -1,0 +1,1 @@
+"""Any system in any window: pictures, a page to click in, live or in a file, and sweeps of a parameter."""
