@@ -298,9 +298,9 @@ def start_up(plan: Plan) -> list[tuple[str, float, float, float]]:
     ]
 
 
-# A chart costs per point as much as this many steps of `peers.rk4` at the same size, elastic and damped: about
-# twice what one run measured (2.7, 3.1, 1.7, 1.8), which is more than the scatter on a shared machine.
-LIMITS = {(12, 0.0): 6.0, (12, DAMPING): 6.0, (28, 0.0): 3.5, (28, DAMPING): 3.5}
+# A chart costs per point as much as this many steps of `peers.rk4` at the same size, elastic and damped: about twice
+# what one run measured (1.7, 1.8, 1.1, 1.2), which is more than the scatter on a shared machine.
+LIMITS = {(12, 0.0): 3.6, (12, DAMPING): 3.6, (28, 0.0): 2.4, (28, DAMPING): 2.4}
 REFERENCE_STEPS = 2000
 
 
