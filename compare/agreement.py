@@ -174,7 +174,10 @@ def _select(curves: list[TransitionCurve], modes: int | None) -> dict[tuple[Any,
 
 def _judge(rungs: list[_DampingScaled], curves: list[TransitionCurve], eps: FloatArray, order: int) -> RegionAgreement:
     last = curves[-1]
-    traces = [trace_boundary(rung, last.centre, value) for rung, value in zip(rungs, eps, strict=True)]
+    traces = [
+        trace_boundary(rung, last.centre, value, kind=last.kind, j=last.j)
+        for rung, value in zip(rungs, eps, strict=True)
+    ]
     analytic = np.array([curve.edges(value) for curve, value in zip(curves, eps, strict=True)], dtype=float).T
     traced = _stack(traces, "lower", "upper")
     gap = np.abs(traced - analytic)

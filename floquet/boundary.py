@@ -12,9 +12,9 @@ from scipy.optimize import brentq
 from floquet.monodromy import is_unstable, member_at
 from floquet.multipliers import Kind
 from floquet.pair import ComplexArray, LostError, Pair, Point
-from floquet.resonance import Resonance, nearest_resonance
+from floquet.resonance import HIGHEST_ORDER, ORDERS, SIGNS, Resonance, nearest_resonance
 from periodic import SystemFamily
-from periodic.checks import FloatArray, real_array, real_number
+from periodic.checks import FloatArray, one_of, real_array, real_number, whole_number
 
 # Edges are found to this part of Omega; regions narrower than ten times that count as closed.
 RESOLUTION = 1e-10
@@ -79,7 +79,9 @@ class BoundaryTrace:
         return self.kind > Kind.STABLE
 
 
-def trace_boundary(family: SystemFamily, near: float, eps: ArrayLike) -> BoundaryTrace:
+def trace_boundary(
+    family: SystemFamily, near: float, eps: ArrayLike, *, kind: str | None = None, j: int | None = None
+) -> BoundaryTrace:
     """Find the edges of the region of instability that starts at a resonance.
 
     Parameters
@@ -91,6 +93,10 @@ def trace_boundary(family: SystemFamily, near: float, eps: ArrayLike) -> Boundar
         nearest is taken, with preference for low j and for sums.
     eps : array_like, shape (k,), or float
         Excitation amplitudes >= 0, in any order. What is found at one does not depend on the others.
+    kind : "sum" or "difference", optional
+        Of the resonance, if only such are meant.
+    j : int, optional
+        Its order, if only that one is meant.
 
     Returns
     -------
@@ -120,7 +126,9 @@ def trace_boundary(family: SystemFamily, near: float, eps: ArrayLike) -> Boundar
         raise ValueError("eps is empty; give at least one amplitude")
     if amplitudes.min() < 0:
         raise ValueError(f"eps has the entry {float(amplitudes.min())!r}; give amplitudes >= 0")
-    resonance = nearest_resonance(member_at(family, near, "family"), near)
+    kinds = SIGNS if kind is None else (one_of("kind", kind, tuple(SIGNS)),)
+    orders = ORDERS if j is None else (whole_number("j", j, least=1, most=HIGHEST_ORDER),)
+    resonance = nearest_resonance(member_at(family, near, "family"), near, kinds, orders)
     route = _Route(family, resonance)
     if amplitudes.max() > MOST_STATIONS * route.spacing:
         raise ValueError(
@@ -128,14 +136,14 @@ def trace_boundary(family: SystemFamily, near: float, eps: ArrayLike) -> Boundar
             f"{amplitudes.max() * route.pair.strength:.3g}; give amplitudes below {MOST_STATIONS * route.spacing:.3g}"
         )
     found = [route.edges(float(amplitude)) for amplitude in amplitudes]
-    kind = np.array([k for k, _, _ in found], dtype=np.int8)
+    verdicts = np.array([k for k, _, _ in found], dtype=np.int8)
     edges = np.array([[edge.Omega for edge in sides] for _, sides, _ in found])
     meetings = np.array([[edge.meeting for edge in sides] for _, sides, _ in found])
     errors = np.array([e for _, _, e in found])
-    for array in (amplitudes, kind, edges, meetings, errors):
+    for array in (amplitudes, verdicts, edges, meetings, errors):
         array.setflags(write=False)
     (lower, upper), (lower_error, upper_error), (left, right) = edges.T, errors.T, meetings.T
-    return BoundaryTrace(near, resonance, amplitudes, lower, upper, lower_error, upper_error, left, right, kind)
+    return BoundaryTrace(near, resonance, amplitudes, lower, upper, lower_error, upper_error, left, right, verdicts)
 
 
 class _Station(NamedTuple):

@@ -137,9 +137,9 @@ class Namer:
 
     def _is_connected(self, name: Name, level: float, chord: tuple[float, float]) -> bool:
         """Return whether the region of a resonance, followed from eps = 0, arrives at the chord at ``level``."""
-        trace = trace_boundary(self.family, name.centre, level)
-        found, sign = trace.resonance, 1 if trace.resonance.kind == "sum" else -1
-        if (found.p, found.q, found.j, sign) != name[:4] or not trace.is_open[0]:
+        kind = "sum" if name.sign > 0 else "difference"
+        trace = trace_boundary(self.family, name.centre, level, kind=kind, j=name.j)
+        if (trace.resonance.p, trace.resonance.q) != name[:2] or not trace.is_open[0]:
             return False
         lower, upper = np.nan_to_num(trace.lower[0], nan=-np.inf), np.nan_to_num(trace.upper[0], nan=np.inf)
         return bool(lower <= chord[1] + self.tolerance and upper >= chord[0] - self.tolerance)

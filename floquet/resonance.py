@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from itertools import combinations, combinations_with_replacement
 
@@ -16,6 +17,8 @@ from periodic import PeriodicSystem
 FARTHEST = 0.05
 # j Omega = omega_p ± omega_q is looked for up to this j; higher tongues are narrower than eps^8.
 HIGHEST_ORDER = 8
+ORDERS = tuple(range(1, HIGHEST_ORDER + 1))
+SIGNS = {"sum": 1.0, "difference": -1.0}
 # Of two resonances near by, the one of higher j is taken if it is this many times nearer for each step in j (the
 # tongues get narrower by a power of eps), a difference if it is this many times nearer than a sum (most are no
 # regions at all).
@@ -55,8 +58,10 @@ class Resonance:
     solutions: NDArray[np.complex128]
 
 
-def nearest_resonance(system: PeriodicSystem, near: float) -> Resonance:
-    """Return the resonance that ``near`` means.
+def nearest_resonance(
+    system: PeriodicSystem, near: float, kinds: Collection[str] = SIGNS, orders: Sequence[int] = ORDERS
+) -> Resonance:
+    """Return the resonance of one of the ``kinds`` and ``orders`` that ``near`` means.
 
     Raises
     ------
@@ -68,19 +73,22 @@ def nearest_resonance(system: PeriodicSystem, near: float) -> Resonance:
     numbers = range(len(frequencies))
     pairs = [("sum", p, q) for q, p in combinations_with_replacement(numbers, 2)]
     pairs += [("difference", p, q) for q, p in combinations(numbers, 2)]
-    sign = {"sum": 1.0, "difference": -1.0}
-    total = np.array([frequencies[p] + sign[kind] * frequencies[q] for kind, p, q in pairs])
-    orders = np.arange(1, HIGHEST_ORDER + 1)
+    pairs = [pair for pair in pairs if pair[0] in kinds]
+    total = np.array([frequencies[p] + SIGNS[kind] * frequencies[q] for kind, p, q in pairs])
     distance = np.abs(total[:, None] / orders / near - 1)
     if not (distance <= FARTHEST).any():
+        named = "(omega_p " + ("±" if len(kinds) > 1 else "+" if "sum" in kinds else "-") + " omega_q) / j"
+        which = f"= {orders[0]}" if len(orders) == 1 else f"<= {orders[-1]}"
         first = ", ".join(f"{f:.6g}" for f in frequencies[:4]) or "none"
         raise ValueError(
-            f"near = {near!r} is not within {FARTHEST:.0%} of any (omega_p ± omega_q) / j with j <= {HIGHEST_ORDER}; "
+            f"near = {near!r} is not within {FARTHEST:.0%} of any {named} with j {which}; "
             f"the natural frequencies are {first}{', ...' if len(frequencies) > 4 else ''}"
         )
-    handicap = PREFERENCE ** (orders - 1.0) * np.array([[1.0 if kind == "sum" else PREFERENCE] for kind, _, _ in pairs])
+    handicap = PREFERENCE ** (np.array(orders) - 1.0) * np.array(
+        [[1.0 if kind == "sum" else PREFERENCE] for kind, _, _ in pairs]
+    )
     score = np.where(distance <= FARTHEST, (distance + AGREEMENT) * handicap, np.inf)
-    row, column = np.unravel_index(int(score.argmin()), score.shape)
+    row, column = divmod(int(score.argmin()), len(orders))
     (kind, p, q), j = pairs[row], int(orders[column])
     partner = vectors[:, q].conj() if kind == "sum" else vectors[:, q]
     both = np.column_stack([vectors[:, p], partner])

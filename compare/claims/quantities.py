@@ -60,7 +60,8 @@ class Region:
     @cached_property
     def trace(self) -> BoundaryTrace:
         """The edges by integration."""
-        return trace_boundary(self.plate, self.curve.centre, np.array([self.eps]))
+        curve = self.curve
+        return trace_boundary(self.plate, curve.centre, np.array([self.eps]), kind=curve.kind, j=curve.j)
 
     @property
     def is_open(self) -> bool:

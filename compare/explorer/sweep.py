@@ -196,7 +196,7 @@ def _row(curves: Sequence[TransitionCurve], eps: float, points: FloatArray) -> R
 
 def _trace(family: MovingPlate, curve: TransitionCurve, eps: float) -> tuple[float, float, float]:
     """Return centre, width and threshold of a region by integration."""
-    trace = trace_boundary(family, curve.centre, eps)
+    trace = trace_boundary(family, curve.centre, eps, kind=curve.kind, j=curve.j)
     closed = float("nan") if trace.kind[0] == Kind.UNDECIDED else 0.0
     lower, upper = float(trace.lower[0]), float(trace.upper[0])
     centre, width = (0.5 * (lower + upper), upper - lower) if trace.is_open[0] else (float("nan"), closed)
@@ -207,7 +207,7 @@ def _traced_tip(family: MovingPlate, curve: TransitionCurve) -> float:
     """Return the eps at which the largest multiplier leaves the unit circle on the region's centre line."""
     if not 0 < curve.tip < MOST_TIP:
         return float("nan")
-    trace = trace_boundary(family, curve.centre, ABOVE_TIP * curve.tip)
+    trace = trace_boundary(family, curve.centre, ABOVE_TIP * curve.tip, kind=curve.kind, j=curve.j)
     Omega = 0.5 * float(trace.lower[0] + trace.upper[0])
     if not np.isfinite(Omega):
         return float("nan")

@@ -7,7 +7,9 @@ import pytest
 import scipy.linalg as sla
 from oracle_systems import first_order, random_system
 
+from floquet import trace_boundary
 from floquet.resonance import nearest_resonance
+from periodic import PeriodicSystem
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu
 
 
@@ -84,3 +86,31 @@ def test_overdamped_modes_do_not_resonate():
 def test_far_from_everything():
     with pytest.raises(ValueError, match=r"near = 2\.5 is not within 5% of any"):
         nearest_resonance(mathieu(), 2.5)
+
+
+def test_what_is_meant_can_be_said() -> None:
+    # 4.015 - 3 lies between the sums 0.5 + 0.5 and 0.5 + 0.52, and next to 0.52 + 1.51 halved
+    w = np.array([0.5, 0.52, 1.51, 3.0, 4.015])
+    system = PeriodicSystem(np.eye(5), np.zeros((5, 5)), np.zeros((5, 5)), np.diag(w**2), [np.ones((5, 5))])
+    assert nearest_resonance(system, 1.015).kind == "sum"
+    found = nearest_resonance(system, 1.015, kinds=("difference",))
+    assert (found.p, found.q, found.j) == (5, 4, 1)
+    found = nearest_resonance(system, 1.015, orders=(2,))
+    assert (found.p, found.q, found.kind) == (3, 2, "sum")
+    trace = trace_boundary(system, 1.015, [0.01], kind="difference", j=1)
+    assert (trace.resonance.p, trace.resonance.q) == (5, 4)
+    assert not trace.is_open.any()  # a symmetric load opens no difference
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"kind": "product"}, "kind = 'product' is not known"),
+        ({"j": 0}, "j = 0 is out of range"),
+        ({"kind": "difference"}, r"not within 5% of any \(omega_p - omega_q\) / j with j <= 8"),
+        ({"j": 3}, r"\(omega_p ± omega_q\) / j with j = 3"),
+    ],
+)
+def test_what_is_meant_has_to_exist(wrong, message) -> None:
+    with pytest.raises(ValueError, match=message):
+        trace_boundary(mathieu(), 2.0, [0.1], **wrong)
