@@ -129,7 +129,9 @@ class _Column(NamedTuple):
     """
 
     found: Dominant
-    truncation: FloatArray  # what E is a multiple of, the same in neighbouring columns: T h^4 |eps| nu
+    truncation: (
+        FloatArray  # what E is a multiple of, the same in neighbouring columns: T h^4 |eps| nu, T and h in cycles
+    )
     slope: float  # that multiple, the largest of those measured; 0 if it was not measured
     rounding: FloatArray
     losses: FloatArray
@@ -150,7 +152,8 @@ def _column(
     found = dominant_symplectic(mu, exponents) if block.symplectic else dominant(mu, exponents, block.reversible)
     nu = spectra.excess(block.symplectic)
     # exact at eps = 0, and the error grows at least like eps^2; the straight line is on the safe side
-    truncation, slope = sampler.period * (sampler.period / 2.0**L) ** 4 * np.abs(eps) * nu, 0.0
+    cycles = fastest(block, Omega, eps) / Omega
+    truncation, slope = cycles * (cycles / 2.0**L) ** 4 * np.abs(eps) * nu, 0.0
     if measure:
         tested = _tested(eps)
         measured = _discrepancies(sampler, mu[tested], exponents[tested], eps[tested], L)
