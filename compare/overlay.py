@@ -93,7 +93,8 @@ def overlay(
         axes.set_xlabel("excitation frequency Ω")
         axes.set_ylabel("amplitude ε")
         axes.set_title(title, loc="left", pad=30)
-        figure.legend(handles=legend_handles(chart, bool(traces)), loc="outside lower center", ncols=4)
+        handles = legend_handles(chart, traced=bool(traces), theory=bool(shown))
+        figure.legend(handles=handles, loc="outside lower center", ncols=4)
     return figure
 
 
@@ -154,7 +155,7 @@ def region_panels(layers: Sequence[Layer], *, title: str = "") -> Figure:
             axes.set_ylabel("ε")
         figure.suptitle(title, fontsize=11)
         if len(layers) == 1:
-            figure.legend(handles=legend_handles(None, True), loc="outside lower center", ncols=4)
+            figure.legend(handles=legend_handles(None, traced=True), loc="outside lower center", ncols=4)
         else:
             figure.legend(handles=_variant_handles(layers), loc="outside lower center", ncols=len(layers))
     return figure
@@ -186,7 +187,7 @@ def variant_panels(layers: Sequence[Layer], *, title: str = "") -> Figure:
             axes.set_ylabel("ε")
         axes.set_xlabel("excitation frequency Ω")
         figure.suptitle(title, fontsize=11)
-        figure.legend(handles=legend_handles(None, True), loc="outside lower center", ncols=4)
+        figure.legend(handles=legend_handles(None, traced=True), loc="outside lower center", ncols=4)
     return figure
 
 
@@ -337,7 +338,7 @@ def _spread(wanted: Sequence[float], spacing: float, room: float) -> list[float]
     return [min(max(place, i * spacing), room - (last - i) * spacing) for i, place in enumerate(apart)]
 
 
-def legend_handles(chart: StabilityChart | None, traced: bool) -> list[Line2D | Patch]:
+def legend_handles(chart: StabilityChart | None, *, traced: bool, theory: bool = True) -> list[Line2D | Patch]:
     """Return one legend entry for each thing that the picture shows."""
     handles: list[Line2D | Patch] = []
     if chart is not None:
@@ -346,5 +347,6 @@ def legend_handles(chart: StabilityChart | None, traced: bool) -> list[Line2D | 
             handles.append(Patch(color=mpl.colormaps["Greys"](0.5), label="undecided"))
     if traced:
         handles.append(Line2D([], [], color="black", lw=LINE_WIDTH, label="Floquet boundary (traced)"))
-    handles.append(Line2D([], [], color=ORANGE, lw=LINE_WIDTH, ls=(0, (4, 2)), label="multiple scales"))
+    if theory:
+        handles.append(Line2D([], [], color=ORANGE, lw=LINE_WIDTH, ls=(0, (4, 2)), label="multiple scales"))
     return handles

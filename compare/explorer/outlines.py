@@ -6,12 +6,19 @@ from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from compare.overlay import legend_handles
 from floquet import Region, StabilityChart
+from floquet.outline import Loop, crossings
 from periodic.checks import FloatArray
 
 LINE_WIDTH = 1.0
+# An outline nowhere wider than this part of the window would look like a thick line: it is drawn as a faint one, since
+# a large eps has a hundred of them.
+NARROW = 1 / 300
+FAINT, FAINT_WIDTH = "#9a9a9a", 0.5
+LEVELS = 32  # at which the width is measured
 
 
 def closed(values: FloatArray) -> FloatArray:
@@ -19,13 +26,25 @@ def closed(values: FloatArray) -> FloatArray:
     return np.append(values, values[:1])
 
 
+def is_narrow(loop: Loop, Omega_range: FloatArray) -> bool:
+    """Return whether an outline in the window ``Omega_range`` is narrower than a line of the picture."""
+    levels = loop.eps.min() + np.ptp(loop.eps) * (np.arange(LEVELS) + 0.5) / LEVELS
+    ends = [crossings([loop], level) for level in levels]
+    width = max((right - left for row in ends for left, right in zip(row[::2], row[1::2], strict=True)), default=0.0)
+    return bool(width < NARROW * (Omega_range[-1] - Omega_range[0]))
+
+
 def draw_outlines(figure: Figure, chart: StabilityChart, regions: Sequence[Region]) -> None:
     """Draw the regions into the overlay of ``chart``, and give them an entry in its legend."""
     if not regions:
         return
     axes = figure.axes[0]
-    for region in regions:
-        for loop in region.outlines:
-            axes.plot(closed(loop.Omega), closed(loop.eps), color="black", lw=LINE_WIDTH, zorder=3)
+    handles = legend_handles(chart, traced=True)
+    loops = [(loop, is_narrow(loop, chart.Omega)) for region in regions for loop in region.outlines]
+    for loop, narrow in loops:
+        colour, width, order = (FAINT, FAINT_WIDTH, 2) if narrow else ("black", LINE_WIDTH, 3)
+        axes.plot(closed(loop.Omega), closed(loop.eps), color=colour, lw=width, zorder=order)
+    if any(narrow for _, narrow in loops):
+        handles.append(Line2D([], [], color=FAINT, lw=2 * FAINT_WIDTH, label="traced, narrower than a line"))
     figure.legends[0].remove()
-    figure.legend(handles=legend_handles(chart, True), loc="outside lower center", ncols=4, frameon=False)
+    figure.legend(handles=handles, loc="outside lower center", ncols=5, frameon=False)

@@ -75,7 +75,7 @@ class Page:
     def __init__(self, title: str, hint: str) -> None:
         self.cells = ColumnDataSource(cell_data(None), name="cells")
         self.curves = ColumnDataSource({"xs": [], "ys": [], "label": []}, name="curves")
-        self.outlines = ColumnDataSource({"xs": [], "ys": [], "label": []}, name="outlines")
+        self.outlines = ColumnDataSource({"xs": [], "ys": [], "label": [], "color": [], "width": []}, name="outlines")
         self.labels = ColumnDataSource({"x": [], "y": [], "text": []}, name="labels")
         self.points = ColumnDataSource(point_data([]), name="points")
         heading = f"<b style='font-size:17px'>{escape(title)}</b>"
@@ -101,7 +101,7 @@ class Page:
         unstable = chart.growth_rate[chart.kind > Kind.STABLE]
         self._growth_colours.high = float(unstable.max()) if unstable.size else 1.0
         self.curves.data = curve_data(exploration.curves, chart)
-        self.outlines.data = outline_data(exploration.regions)
+        self.outlines.data = outline_data(exploration.regions, exploration.chart)
         self._outline_item.visible = bool(exploration.regions)
         self.labels.data = label_data(exploration.curves, chart)
         self._curve_item.label = value(f"multiple scales, order {exploration.order}")
@@ -172,7 +172,7 @@ class Page:
         )
         plot.add_layout(growth_bar, "right")
         plot.add_layout(kind_bar, "right")
-        outlines = plot.multi_line("xs", "ys", source=self.outlines, color="black", width=1.2)
+        outlines = plot.multi_line("xs", "ys", source=self.outlines, color="color", width="width")
         curves = plot.multi_line("xs", "ys", source=self.curves, color=ORANGE, width=1.8, dash=[6, 4])
         labels = plot.text(
             "x", "y", "text", source=self.labels, color="#222", font_size="13px", align="center", baseline="top",

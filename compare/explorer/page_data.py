@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.explorer.outlines import closed
+from compare.explorer.outlines import FAINT, FAINT_WIDTH, closed, is_narrow
 from compare.explorer.response import Response
 from floquet import Kind, Region, StabilityChart
 from perturb import TransitionCurve
@@ -55,13 +55,15 @@ def curve_data(curves: Sequence[TransitionCurve], chart: StabilityChart) -> dict
     return {"xs": xs, "ys": ys, "label": names}
 
 
-def outline_data(regions: Sequence[Region]) -> dict[str, Any]:
-    """Return every outline of the traced regions, closed, under the region's name."""
+def outline_data(regions: Sequence[Region], chart: StabilityChart) -> dict[str, Any]:
+    """Return every outline of the traced regions, closed, under the region's name; narrow ones are faint."""
     pairs = [(region.label or UNEXPLAINED, loop) for region in regions for loop in region.outlines]
     return {
         "xs": [closed(loop.Omega) for _, loop in pairs],
         "ys": [closed(loop.eps) for _, loop in pairs],
         "label": [label for label, _ in pairs],
+        "color": [FAINT if is_narrow(loop, chart.Omega) else "black" for _, loop in pairs],
+        "width": [2 * FAINT_WIDTH if is_narrow(loop, chart.Omega) else 1.2 for _, loop in pairs],
     }
 
 
