@@ -96,7 +96,7 @@ def _columns(
         E = np.array([column.error(slope) for column, slope in zip(columns, slopes, strict=True)])
         judged = judge(found, E, block.symplectic or block.reversible)
         if block.symplectic:
-            for i in np.flatnonzero((_in_doubt(judged)).any(axis=1)):
+            for i in np.flatnonzero(_in_doubt(judged).any(axis=1)):
                 _look_again(block, float(Omega[i]), eps, steps_a_cycle, work, Cells(*(x[i] for x in judged)), E[i])
         cells.append(judged)
     return combine(cells)
@@ -129,10 +129,9 @@ class _Column(NamedTuple):
     """
 
     found: Dominant
-    truncation: (
-        FloatArray  # what E is a multiple of, the same in neighbouring columns: T h^4 |eps| nu, T and h in cycles
-    )
-    slope: float  # that multiple, the largest of those measured; 0 if it was not measured
+    # E is a multiple of T h^4 |eps| nu, T and h in cycles, by a factor that neighbouring columns share
+    truncation: FloatArray
+    slope: float  # that factor, the largest of those measured; 0 if it was not measured
     rounding: FloatArray
     losses: FloatArray
 

@@ -55,7 +55,7 @@ class Region:
     tip : (float, float)
         Omega and eps of its lowest point.
     witness : (float, float)
-        Omega and eps of a point inside, at which `monodromy` found instability beyond its error.
+        Omega and eps of a point inside, at which integration by the method of `monodromy` found instability.
     """
 
     outlines: tuple[Loop, ...]

@@ -58,12 +58,13 @@ def curve_data(curves: Sequence[TransitionCurve], chart: StabilityChart) -> dict
 def outline_data(regions: Sequence[Region], chart: StabilityChart) -> dict[str, Any]:
     """Return every outline of the traced regions, closed, under the region's name; narrow ones are faint."""
     pairs = [(region.label or UNEXPLAINED, loop) for region in regions for loop in region.outlines]
+    narrow = [is_narrow(loop, chart.Omega) for _, loop in pairs]
     return {
         "xs": [closed(loop.Omega) for _, loop in pairs],
         "ys": [closed(loop.eps) for _, loop in pairs],
         "label": [label for label, _ in pairs],
-        "color": [FAINT if is_narrow(loop, chart.Omega) else "black" for _, loop in pairs],
-        "width": [2 * FAINT_WIDTH if is_narrow(loop, chart.Omega) else 1.2 for _, loop in pairs],
+        "color": [FAINT if faint else "black" for faint in narrow],
+        "width": [2 * FAINT_WIDTH if faint else 1.2 for faint in narrow],
     }
 
 
