@@ -11,6 +11,7 @@ import numpy as np
 from tqdm import tqdm
 
 from compare.agreement import DEFAULT_LADDER, RegionAgreement, agreement
+from compare.audit import audit_sentence
 from compare.files.cases import Case
 from compare.overlay import Figure, Layer, overlay, region_panels, variant_panels
 from floquet import BoundaryTrace, StabilityChart, stability_chart, trace_boundary
@@ -123,13 +124,8 @@ class VariantStudy:
 
     @property
     def audit(self) -> str:
-        """What became of the audit, in words."""
-        audit = self.chart.audit
-        if audit is None or not audit.compared:
-            return "no cell of the chart was integrated again"
-        found = f"{audit.compared} cells of the chart integrated again by another method differ by at most"
-        found = f"{found} {audit.largest_difference:.1e} in log|μ|"
-        return found if audit.ok else f"{found}: MORE THAN ESTIMATED, or the verdict is another"
+        """What became of the audit, in a sentence."""
+        return audit_sentence(self.chart.audit)
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from compare.audit import audit_sentence
 from compare.explorer.outlines import draw_outlines
 from compare.overlay import overlay
 from floquet import Region, StabilityChart, stability_chart, trace_regions
@@ -63,14 +64,8 @@ class Exploration:
 
     @property
     def audit(self) -> str:
-        """A sentence about the cells that were integrated a second time, by another method."""
-        audit = self.chart.audit
-        if audit is None or not audit.compared:
-            return "No cell could be integrated again by another method."
-        found = f"{audit.compared} cells integrated again by another method differ by {audit.largest_difference:.1e}"
-        if audit.ok:
-            return f"{found} in log|μ| at most, within the estimated error."
-        return f"{found} in log|μ|, {audit.largest_ratio:.1f} times the estimated error: do not trust this chart."
+        """What became of the audit, in a sentence."""
+        return audit_sentence(self.chart.audit)
 
     def write(self, folder: Path, name: str, *, netcdf: bool = False) -> None:
         """Write ``name``-chart.png, -overlay.png and .pdf, -regions.json, ``name``.npz and on request ``name``.nc.
