@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from small_case import SMALL_CASE, TITLE
 
 from compare.claims.evidence import ClaimVerdict, Finding, judged
 from compare.claims.quantities import Measured, Quantity
@@ -17,16 +18,7 @@ from compare.files.cases import load_case
 from compare.report import _measured, write_report
 from compare.study import CaseStudy, run_case
 
-SMALL = """
-title = "Plates <b>& pipes | bars</b>"
-regions = [[1, 1], [1, 2]]
-[plate]
-axial_terms = 2
-lateral_terms = 3
-[chart]
-Omega = [15.0, 28.0]
-eps = 0.2
-points = [12, 6]
+VARIANTS = """
 [[variants]]
 label = "slow | <i>"
 plate = {speed = 1.0}
@@ -61,7 +53,8 @@ class Page(HTMLParser):
 @pytest.fixture(scope="module")
 def study(tmp_path_factory: pytest.TempPathFactory) -> CaseStudy:
     path = tmp_path_factory.mktemp("cases") / "two plates.toml"
-    path.write_text(SMALL, encoding="utf-8")
+    case = SMALL_CASE.replace(TITLE, "Plates <b>& pipes | bars</b>")
+    path.write_text(case + VARIANTS, encoding="utf-8")
     return run_case(load_case(path), n_jobs=1, quick=True)
 
 

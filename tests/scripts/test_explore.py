@@ -9,22 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from finite_elements import column
+from small_case import SMALL_CASE
 
 from compare.files.matrices import save_system
 from floquet import StabilityChart, stability_chart
 from floquet_scripts import explore
 from periodic.examples import coupled_mathieu, mathieu
 
-CASE = """
-title = "two plates"
-regions = [[1, 1]]
-[plate]
-axial_terms = 2
-lateral_terms = 2
-[chart]
-Omega = [15.0, 25.0]
-eps = 0.3
-points = [12, 6]
+VARIANTS = """
 [[variants]]
 label = "slow"
 plate = {speed = 1.0}
@@ -40,7 +32,7 @@ def run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Run:
     """Run the script's main in a folder of its own; return exit status, output and error output."""
     save_system(tmp_path / "pair.npz", coupled_mathieu())
     save_system(tmp_path / "trap.mat", mathieu(-0.3))
-    (tmp_path / "two.toml").write_text(CASE, encoding="utf-8")
+    (tmp_path / "two.toml").write_text(SMALL_CASE + VARIANTS, encoding="utf-8")
 
     def run(*arguments: object) -> tuple[int, str, str]:
         given = [str(tmp_path / a) if (tmp_path / str(a)).is_file() else str(a) for a in arguments]
@@ -100,7 +92,7 @@ def test_the_variants_of_a_case(run: Run, tmp_path: Path) -> None:
     assert status == 0
     assert {"two-slow.npz", "two-half-as-wide.npz"} <= set(_written(tmp_path))
     chart = StabilityChart.load(tmp_path / "out" / "two-half-as-wide.npz")
-    assert (chart.Omega[0], chart.Omega[-1], chart.Omega.size, chart.eps[-1]) == (15.0, 25.0, 12, 0.1)
+    assert (chart.Omega[0], chart.Omega[-1], chart.Omega.size, chart.eps[-1]) == (15.0, 28.0, 12, 0.1)
 
 
 def test_a_sweep(run: Run, tmp_path: Path) -> None:

@@ -8,28 +8,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 from finite_elements import column
+from small_case import SMALL_CASE
 
 from compare.files.matrices import save_system
 from floquet_scripts.validate import main
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu
 
-SMALL = """
-title = "A small plate"
-regions = [[1, 1], [1, 2]]
-[plate]
-axial_terms = 2
-lateral_terms = 3
-[chart]
-Omega = [15.0, 28.0]
-eps = 0.2
-points = [12, 6]
-"""
-
 
 @pytest.fixture
 def case(tmp_path: Path) -> Path:
     path = tmp_path / "small.toml"
-    path.write_text(SMALL)
+    path.write_text(SMALL_CASE)
     return path
 
 
@@ -50,7 +39,7 @@ def test_a_case_goes_from_plate_to_picture(case: Path, tmp_path: Path, capsys: p
 def test_a_wrong_case_is_one_clear_line_and_status_two(
     case: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    case.write_text(SMALL.replace("axial_terms", "axial_tems"))
+    case.write_text(SMALL_CASE.replace("axial_terms", "axial_tems"))
     output = tmp_path / "out"
     assert main(["--case", str(case), "--output", str(output), "--no-progress"]) == 2
     error = capsys.readouterr().err

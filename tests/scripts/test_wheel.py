@@ -10,19 +10,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from small_case import SMALL_CASE
 
 ROOT = Path(__file__).resolve().parents[2]
-QUICK = """
-title = "A quick look"
-regions = [[1, 1]]
-[plate]
-axial_terms = 2
-lateral_terms = 2
-[chart]
-Omega = [15.0, 25.0]
-eps = 0.2
-points = [12, 6]
-"""
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +53,7 @@ def test_the_installed_commands_run_from_an_empty_folder(bin_folder: Path, tmp_p
     assert all(f"'{path.stem}'" in said for path in (ROOT / "cases").glob("*.toml"))
     assert str(ROOT) not in said
 
-    (tmp_path / "quick.toml").write_text(QUICK, encoding="utf-8")
+    (tmp_path / "quick.toml").write_text(SMALL_CASE, encoding="utf-8")
     said = _run(bin_folder, tmp_path, "floquet-validate", "--case", "quick.toml", "--quick", "--output", "judged")
     assert "yes" in said
     assert (tmp_path / "judged" / "report.html").is_file()
