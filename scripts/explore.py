@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from compare.explorer.exploration import default_window, explore
+from compare.explorer.listing import region_lines
 from compare.explorer.response import responses
 from compare.explorer.sweep import sweep
 from compare.explorer.sweep_picture import sweep_picture
@@ -159,9 +160,8 @@ def _charted(subject: Subject, options: argparse.Namespace, store: BlockStore) -
     )
     remarks = " ".join(filter(None, (result.audit, result.remark)))
     print(remarks)
-    for region in result.regions:
-        Omega, eps = region.tip
-        print(f"  {region.label or 'unexplained':<24} from Ω = {Omega:.5g}, ε = {eps:.3g}")
+    for line in region_lines(result.regions, subject.eps, f"{subject.name}-regions.json"):
+        print(f"  {line}")
     page = ""
     if bokeh is not None:
         points = responses(family, result.chart, n_jobs=options.jobs, progress=progress)

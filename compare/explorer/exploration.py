@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from compare.audit import audit_sentence
-from compare.explorer.outlines import draw_outlines
+from compare.explorer.outlines import draw_outlines, largest_width
 from compare.overlay import overlay
 from floquet import Region, StabilityChart, stability_chart, trace_regions
 from floquet.checkpoint import BlockStore
@@ -98,7 +98,13 @@ def _plain(region: Region) -> dict[str, Any]:
     outlines = [
         {"Omega": loop.Omega.tolist(), "eps": loop.eps.tolist(), "kind": loop.kind.tolist()} for loop in region.outlines
     ]
-    return {"label": region.label, "explained": region.explained, "tip": list(region.tip), "outlines": outlines}
+    return {
+        "label": region.label,
+        "explained": region.explained,
+        "tip": list(region.tip),
+        "width": largest_width(region.outlines),
+        "outlines": outlines,
+    }
 
 
 def explore(

@@ -26,12 +26,17 @@ def closed(values: FloatArray) -> FloatArray:
     return np.append(values, values[:1])
 
 
+def largest_width(outlines: Sequence[Loop]) -> float:
+    """Return the largest width in Omega, at one eps, of what lies inside the outlines."""
+    bottom, top = min(loop.eps.min() for loop in outlines), max(loop.eps.max() for loop in outlines)
+    levels = bottom + (top - bottom) * (np.arange(LEVELS) + 0.5) / LEVELS
+    ends = [crossings(outlines, level) for level in levels]
+    return max((right - left for row in ends for left, right in zip(row[::2], row[1::2], strict=True)), default=0.0)
+
+
 def is_narrow(loop: Loop, Omega_range: FloatArray) -> bool:
     """Return whether an outline in the window ``Omega_range`` is narrower than a line of the picture."""
-    levels = loop.eps.min() + np.ptp(loop.eps) * (np.arange(LEVELS) + 0.5) / LEVELS
-    ends = [crossings([loop], level) for level in levels]
-    width = max((right - left for row in ends for left, right in zip(row[::2], row[1::2], strict=True)), default=0.0)
-    return bool(width < NARROW * (Omega_range[-1] - Omega_range[0]))
+    return bool(largest_width([loop]) < NARROW * (Omega_range[-1] - Omega_range[0]))
 
 
 def draw_outlines(figure: Figure, chart: StabilityChart, regions: Sequence[Region]) -> None:

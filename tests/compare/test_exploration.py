@@ -96,6 +96,7 @@ def test_what_is_written_can_be_read_again(tmp_path: Path) -> None:
     regions = json.loads((tmp_path / "mathieu-regions.json").read_text(encoding="utf-8"))
     assert [region["label"] for region in regions] == ["2ω₁"]
     assert regions[0]["tip"] == pytest.approx([2.0, 2 * 0.05], rel=0.02)  # closed below 2 omega damping
+    assert regions[0]["width"] == pytest.approx(np.sqrt(0.5**2 - 0.1**2), rel=0.03)  # first order, at the top
     np.testing.assert_array_equal(StabilityChart.load(tmp_path / "mathieu.npz").kind, result.chart.kind)
     with xarray.open_dataset(tmp_path / "mathieu.nc", engine="scipy") as data:
         np.testing.assert_array_equal(data.growth_rate, result.chart.growth_rate)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from compare import overlay
-from compare.explorer.outlines import FAINT, draw_outlines, is_narrow
+from compare.explorer.outlines import FAINT, draw_outlines, is_narrow, largest_width
 from floquet import stability_chart, trace_regions
 from floquet.outline import Loop
 from periodic.examples import mathieu
@@ -20,6 +20,15 @@ def tongue(width: float) -> Loop:
 @pytest.mark.parametrize(("width", "narrow"), [(0.1, False), (0.02, False), (0.009, True), (1e-6, True)])
 def test_what_is_narrower_than_a_line(width: float, narrow: bool) -> None:
     assert is_narrow(tongue(width), np.array([1.0, 4.0])) == narrow
+
+
+def test_a_hole_and_a_branch_count_as_they_should() -> None:
+    def box(left: float, right: float, low: float, high: float) -> Loop:
+        corners = np.array([left, right, right, left]), np.array([low, low, high, high])
+        return Loop(*corners, np.full(4, 2, dtype=np.int8))
+
+    hole, branch = box(1.0, 2.0, 1.0, 3.0), box(1.0, 1.5, 0.0, 1.0)
+    assert largest_width([box(0.0, 4.0, 1.0, 3.0), hole, branch]) == 2.0
 
 
 def test_narrow_regions_are_faint_and_the_legend_says_so() -> None:

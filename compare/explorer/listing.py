@@ -1,0 +1,53 @@
+"""The traced regions in lines of text: the widest ones, and how many more there are."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import ceil, log10
+
+from compare.explorer.outlines import largest_width
+from floquet import Region
+
+# At large eps there are a hundred regions, most of them narrower than a line of the picture: these many fit a screen.
+MOST_LINES = 20
+# A wide region may unite dozens of resonances. Those of the lowest order, which are the strongest, are named.
+MOST_NAMES = 3
+# Tips are told to this part of the height of the window: below it are the errors of tracing.
+RESOLVED = 1e-4
+
+
+def region_lines(regions: Sequence[Region], eps_max: float, file: str) -> list[str]:
+    """Return a line for each of the widest regions, in the order of ``regions``, and one that counts the others.
+
+    Parameters
+    ----------
+    regions : sequence of Region
+        From `floquet.trace_regions`.
+    eps_max : float
+        Height of the window in which they were traced.
+    file : str
+        Where all of them are to be found.
+    """
+    widths = [largest_width(region.outlines) for region in regions]
+    widest = sorted(range(len(regions)), key=lambda i: -widths[i])
+    shown, rest = sorted(widest[:MOST_LINES]), widest[MOST_LINES:]
+    names = [_name(regions[i]) for i in shown]
+    column = max(map(len, names), default=0)
+    lines = [
+        f"{name:<{column}}  {_place(regions[i], widths[i], eps_max)}" for i, name in zip(shown, names, strict=True)
+    ]
+    if rest:
+        lines.append(f"and {len(rest)} narrower ones, at most {widths[rest[0]]:.2g} wide; all are in {file}")
+    return lines
+
+
+def _name(region: Region) -> str:
+    names = [name.label for name in sorted(region.resonances, key=lambda name: name.j)]
+    more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
+    return ", ".join(names[:MOST_NAMES]) + more or "unexplained"
+
+
+def _place(region: Region, width: float, eps_max: float) -> str:
+    Omega, eps = region.tip
+    eps = round(eps, ceil(-log10(RESOLVED * eps_max)))
+    return f"from Ω = {Omega:.5g}, ε = {eps:.3g}, up to {width:.2g} wide"
