@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from periodic import PeriodicSystem
-from periodic.checks import FloatArray, grid, one_of, real_number, whole_number
-from plate import transverse
+from periodic.checks import FloatArray, one_of, real_number, whole_number
+from plate import checks, transverse
 from plate.divergence import divergence_speed
 from plate.dynamic import DynamicStress
 from plate.inplane import InPlaneFrequencies, InPlaneProblem, StressField
@@ -21,20 +21,6 @@ from plate.si import SIProperties
 from plate.stress import MembraneStress, StaticStress, StressModel
 
 INPLANE_MODELS = ("membrane", "static", "dynamic")
-
-# Beyond these a plate is a beam or a string, and the smallest stiffness drowns in the rounding of the largest.
-ASPECT_RATIOS = (1e-3, 1e3)
-
-# More trial functions than any study needs; the limits keep a slip from filling the memory.
-MOST_TERMS = 100
-MOST_COORDINATES = 1000
-MOST_INPLANE_TERMS = 50
-
-# Points of a stress field's grid in each direction: steps of a fortieth.
-GRID = 41
-
-# A place beyond the end of the plate by this share of its length is on the end: rounding of x/a times r.
-PLACE_ROUNDING = 1e-12
 
 
 @dataclass(frozen=True)
@@ -94,28 +80,23 @@ class MovingPlate:
 
     def __post_init__(self) -> None:
         checked = {
-            "aspect_ratio": real_number("aspect_ratio", self.aspect_ratio, positive=True),
+            "aspect_ratio": checks.ratio("aspect_ratio", self.aspect_ratio, checks.ASPECT_RATIOS),
             "speed": real_number("speed", self.speed),
             "tension": real_number("tension", self.tension),
             "damping": real_number("damping", self.damping, nonnegative=True),
-            "poisson_ratio": _poisson_ratio(self.poisson_ratio),
-            "thickness_ratio": real_number("thickness_ratio", self.thickness_ratio, positive=True),
+            "poisson_ratio": checks.poisson_ratio(self.poisson_ratio),
+            "thickness_ratio": checks.ratio("thickness_ratio", self.thickness_ratio, checks.THICKNESS_RATIOS),
             "inplane": one_of("inplane", self.inplane, INPLANE_MODELS),
-            "axial_terms": whole_number("axial_terms", self.axial_terms, least=1, most=MOST_TERMS),
-            "lateral_terms": whole_number("lateral_terms", self.lateral_terms, least=1, most=MOST_TERMS),
-            "inplane_terms": _inplane_terms(self.inplane_terms),
+            "axial_terms": checks.terms("axial_terms", self.axial_terms),
+            "lateral_terms": checks.terms("lateral_terms", self.lateral_terms),
+            "inplane_terms": checks.inplane_terms(self.inplane_terms),
         }
         for name, value in checked.items():
             object.__setattr__(self, name, value)
-        for name, low, high in (("aspect_ratio", *ASPECT_RATIOS), ("thickness_ratio", 0.0, 1.0)):
-            if not low < getattr(self, name) < high:
-                raise ValueError(
-                    f"{name} = {getattr(self, name)!r} is no plate's; give one between {low:g} and {high:g}"
-                )
-        if self.axial_terms * self.lateral_terms > MOST_COORDINATES:
+        if self.axial_terms * self.lateral_terms > checks.MOST_COORDINATES:
             raise ValueError(
                 f"axial_terms * lateral_terms = {self.axial_terms * self.lateral_terms} coordinates; "
-                f"give at most {MOST_COORDINATES}"
+                f"give at most {checks.MOST_COORDINATES}"
             )
         if self.inplane != "membrane" and self.inplane_terms[0] < self.aspect_ratio:
             raise ValueError(
@@ -175,7 +156,7 @@ class MovingPlate:
         """
         si = SIProperties(width, density, youngs_modulus)
         thickness_ratio = real_number("thickness", thickness, positive=True) / si.width
-        nu = _poisson_ratio(poisson_ratio)
+        nu = checks.poisson_ratio(poisson_ratio)
         time, force_per_width = si.units(thickness_ratio, nu)
         return cls(
             aspect_ratio=real_number("length", length, positive=True) / si.width,
@@ -309,7 +290,7 @@ class MovingPlate:
         """
         Omega = real_number("Omega", Omega, nonnegative=True)
         harmonic = whole_number("harmonic", harmonic, least=0, most=self.load.harmonics)
-        X, Y = _places("x", x, self.aspect_ratio), _places("y", y, 1.0)
+        X, Y = checks.places("x", x, self.aspect_ratio), checks.places("y", y, 1.0)
         stresses = self._stress.field(harmonic, Omega, X, Y)
         N_xx, N_yy, N_xy = (_read_only(self.tension * N.T) for N in stresses)
         return StressField(X, Y, N_xx, N_yy, N_xy)
@@ -385,31 +366,6 @@ class MovingPlate:
         return self.si
 
 
-def _poisson_ratio(value: Any) -> float:
-    nu = real_number("poisson_ratio", value)
-    if not -1 < nu <= 0.5:
-        raise ValueError(f"poisson_ratio = {nu!r} is out of range; give -1 < nu <= 0.5")
-    return nu
-
-
-def _inplane_terms(value: Any) -> tuple[int, int]:
-    try:
-        axial, lateral = value
-    except (TypeError, ValueError):
-        raise ValueError(f"inplane_terms = {value!r} is not a pair; give (axial, lateral), such as (9, 9)") from None
-    return (
-        whole_number("inplane_terms[0]", axial, least=2, most=MOST_INPLANE_TERMS),
-        whole_number("inplane_terms[1]", lateral, least=1, most=MOST_INPLANE_TERMS),
-    )
-
-
 def _read_only(array: NDArray[Any]) -> NDArray[Any]:
     array.setflags(write=False)
     return array
-
-
-def _places(name: str, value: ArrayLike | None, end: float) -> FloatArray:
-    places = grid(name, np.linspace(0.0, end, GRID) if value is None else value)
-    if places[0] < 0 or places[-1] > end * (1 + PLACE_ROUNDING):
-        raise ValueError(f"{name} runs from {places[0]:.6g} to {places[-1]:.6g}; keep within 0 to {end:.6g}")
-    return _read_only(np.minimum(places, end))
