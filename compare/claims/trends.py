@@ -19,13 +19,7 @@ def narrower_load_shrinks(study: ClaimRange) -> ClaimVerdict:
     """Judge "as a symmetric load gets narrower, unstable regions shrink and move down"."""
     findings = []
     for r, speed in product(study.aspect_ratios, study.speeds):
-        plates = [
-            Named(
-                f"a/b = {r:g}, V = {speed:g}, {part_name(share)}",
-                replace(study.plate, aspect_ratio=r, speed=speed, load=middle_part(share)),
-            )
-            for share in study.widths
-        ]
+        plates = [_plate(study, r, speed, share) for share in study.widths]
         findings += _trend(plates, study)
     return judged(
         "A narrower load shrinks the regions",
@@ -41,13 +35,7 @@ def longer_plate_shrinks(study: ClaimRange) -> ClaimVerdict:
     """Judge "as the aspect ratio increases, all regions shrink, move down and get closer"."""
     findings = []
     for share, speed in product(study.widths, study.speeds):
-        plates = [
-            Named(
-                f"a/b = {r:g}, V = {speed:g}, {part_name(share)}",
-                replace(study.plate, aspect_ratio=r, speed=speed, load=middle_part(share)),
-            )
-            for r in study.aspect_ratios
-        ]
+        plates = [_plate(study, r, speed, share) for r in study.aspect_ratios]
         findings += _trend(plates, study)
         spread = [_spread(*plate, study) for plate in plates]
         findings += [Finding("regions get closer", later, sooner) for sooner, later in pairwise(spread)]
@@ -83,6 +71,12 @@ def damping_shrinks(study: ClaimRange) -> ClaimVerdict:
         f"{study.scope}; uniform load; c = {some(study.dampings)}; eps = {study.eps:g}",
         findings,
     )
+
+
+def _plate(study: ClaimRange, r: float, speed: float, share: float) -> Named:
+    """Return the plate of this aspect ratio and speed under a load on this part of the edge."""
+    plate = replace(study.plate, aspect_ratio=r, speed=speed, load=middle_part(share))
+    return Named(f"a/b = {r:g}, V = {speed:g}, {part_name(share)}", plate)
 
 
 def _trend(plates: Sequence[Named], study: ClaimRange) -> list[Finding]:
