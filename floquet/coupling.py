@@ -36,6 +36,9 @@ NEAREST = 1e-3
 SAME = 1e-8
 # How much wider than estimated a region may be, or how much less damped, to be looked for all the same.
 DOUBT = 2.0
+# Eigenvectors of the free motion with a larger condition number are parallel but for rounding. This part of the fastest
+# rate, as damping, sets them apart.
+PARALLEL, NUDGE = 1e6, 1e-5
 
 
 class Home(NamedTuple):
@@ -106,6 +109,8 @@ def couplings(
     """
     y, b = equations(block, least), len(block.K)
     Lambda, V = np.linalg.eig(y.A)
+    if np.linalg.cond(V) > PARALLEL:  # a mode is critically damped, or free, and has a single eigenvector
+        Lambda, V = np.linalg.eig(y.A - NUDGE * block.rate * np.diag(np.repeat([0.0, 1.0], b)))
     G = {}
     for k, (Fc, Fs) in enumerate(zip(block.Fc, block.Fs, strict=True), 1):
         for sign in (1, -1):

@@ -61,3 +61,17 @@ def test_damping_closes_narrow_resonances() -> None:
     assert open_ == {1}
     assert candidates(mathieu(damping=0.5), resonances(mathieu(), 0.2, 3.0), 0.1) == []
     assert candidates(mathieu(), [], 0.1) == []
+
+
+@pytest.mark.parametrize(("stiffness", "damping"), [(1.0, 2.0), (0.0, 0.0)])
+def test_a_third_mode_with_a_single_eigenvector(stiffness: float, damping: float) -> None:
+    # critically damped, or free: its two exponents coincide, and so do their eigenvectors
+    zero, F = np.zeros((2, 2)), [[0.3, 1.0], [1.0, 0.5]]
+
+    def widths(more: float) -> dict[int, float]:
+        system = PeriodicSystem(np.eye(2), zero, np.diag([damping + more, 0.0]), np.diag([stiffness, 4.0]), [F])
+        return {one.name.j: one.width for one in candidates(system, resonances(system, 1.3, 5.0), 0.3)}
+
+    assert widths(0.0)[1] == pytest.approx(0.3 / 4, rel=1e-2)  # Mathieu's, to first order: eps F_22 / omega
+    if damping > 0:  # for a free mode the even tongues are those of three states
+        assert widths(0.0) == pytest.approx(widths(1e-3), rel=1e-2)
