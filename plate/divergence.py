@@ -19,12 +19,12 @@ SPEED_TOLERANCE = 1e-14
 def divergence_speed(
     K_oe: FloatArray, K_og: FloatArray, F_c0: Callable[[float], FloatArray], tension: float, fastest: float
 ) -> float:
-    """Return V_cr, or a speed of at least ``fastest`` if there is none below.
+    """Return V_cr; infinity if there is none below ``fastest``.
 
     Parameters
     ----------
     K_oe, K_og : ndarray, shape (n, n)
-        Bending stiffness, positive semidefinite, and transport stiffness, negative definite.
+        Bending stiffness, positive definite, and transport stiffness, negative definite.
     F_c0 : callable
         Returns the static stress stiffness at a transport speed, shape (n, n).
     tension : float
@@ -37,7 +37,7 @@ def divergence_speed(
     ValueError
         If the static tension buckles the plate at rest.
     """
-    # Where F_c0 depends on the speed, weakly, V_cr^2 is a fixed point. Else the second turn agrees.
+    # Where F_c0 depends on the speed, V_cr^2 is a fixed point. Else the second turn agrees.
     square = 0.0
     for _ in range(MOST_ITERATIONS):
         stress_stiffness = F_c0(math.sqrt(square))
@@ -45,13 +45,15 @@ def divergence_speed(
             # 1/V^2 as the largest eigenvalue keeps its accuracy beside the stiff lateral bending of a long plate.
             inverse = eigh(-K_og, K_oe + tension * stress_stiffness, eigvals_only=True)
         except LinAlgError:
+            if square > 0:  # a stress near the speed of in-plane waves, not the tension at rest
+                break
             raise ValueError(_buckled(K_oe, stress_stiffness, tension)) from None
         previous, square = square, float(1 / inverse[-1])
         if abs(square - previous) <= SPEED_TOLERANCE * square:
             return math.sqrt(square)
         if square >= fastest**2:
             break
-    return max(math.sqrt(square), fastest)
+    return math.inf
 
 
 def _buckled(K_oe: FloatArray, F_c0: FloatArray, tension: float) -> str:
