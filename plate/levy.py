@@ -279,7 +279,10 @@ class Series:
 
     @cached_property
     def alpha(self) -> FloatArray:
-        """alpha of the first terms, up to `HIGHEST_ALPHA` and beyond, shape (terms,)."""
+        """alpha of the first terms, up to (1 + 1/r) `HIGHEST_ALPHA`, shape (terms,).
+
+        These are at least the hundred that `CORRECTIONS` wants, however short the plate.
+        """
         count = math.ceil(HIGHEST_ALPHA * (1 + self.r) / (2 * math.pi))
         return np.arange(1.0, 2.0 * count, 2.0) * (math.pi / self.r)
 

@@ -106,7 +106,7 @@ def test_complementary_virtual_work(f: Distribution, r: float, nu: float, a: Pol
     assert grid.integral(work) == pytest.approx(0, abs=1e-6 * scale)
 
 
-@pytest.mark.parametrize("r", [0.3, 1.0, 3.0, 20.0])
+@pytest.mark.parametrize("r", [0.001, 0.1, 1.0, 3.0, 10.0, 50.0])
 @pytest.mark.parametrize("load", LOADS)
 def test_edges(load: str, r: float) -> None:
     f, nu = LOADS[load], 0.3
@@ -156,7 +156,7 @@ def test_field_equations_next_to_singular_points(load: str, distance: float) -> 
                     assert bend @ trace[:, 2] + trace[2] @ bend == pytest.approx(0, abs=1e-5 * scale / distance)
 
 
-@pytest.mark.parametrize("r", [0.3, 1.0, 3.0, 20.0])
+@pytest.mark.parametrize("r", [0.001, 0.1, 1.0, 3.0, 10.0, 50.0])
 @pytest.mark.parametrize("load", LOADS)
 def test_terms_in_closed_form_are_those_left_out(monkeypatch: pytest.MonkeyPatch, load: str, r: float) -> None:
     places = np.array([0.0, 1e-9, 1e-6, 1e-3, 0.05, 0.25, 0.3 + 1e-5, 0.5])
@@ -164,7 +164,7 @@ def test_terms_in_closed_form_are_those_left_out(monkeypatch: pytest.MonkeyPatch
     many = static_stresses(LOADS[load], r, 0.3, X, Y)
     monkeypatch.setattr(plate.levy, "HIGHEST_ALPHA", 2000.0)
     few = static_stresses(LOADS[load], r, 0.3, X, Y)
-    np.testing.assert_allclose(few, many, atol=1e-11)
+    np.testing.assert_allclose(few, many, atol=1e-11 if r < 50 else 5e-11)  # the waves of a long plate nearly coincide
 
 
 @pytest.mark.parametrize("nu", [-0.9, 0.0, 0.3, 0.5])
