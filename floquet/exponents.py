@@ -59,16 +59,15 @@ def modes(mu: ComplexArray, exponents: FloatArray) -> Exponents:
     """Return the exponents of the modes of any block from its multipliers 2^exponents[c] mu[c, i], mu of shape (k, 2n),
     angles in [0, pi].
 
-    Of the real multipliers of one sign the two largest are taken for those of one mode, the next two for another.
+    Of the real multipliers of one sign the two largest are taken for those of one mode, the next two for another. Two
+    that are zero, of a mode that is damped out, leave zeros.
     """
     k, n = mu.shape[0], mu.shape[1] // 2
     angle, modulus, split = np.zeros((k, n)), np.zeros((k, n)), np.zeros((k, n))
     for c in range(k):
         shift, used = exponents[c] * np.log(2.0), 0
         for sign in (1.0, -1.0):
-            real = np.sort(
-                np.array([np.log(max(abs(z), 1e-300)) for z in mu[c] if z.imag == 0.0 and z.real * sign > 0])
-            )
+            real = np.sort(np.array([np.log(abs(z)) for z in mu[c] if z.imag == 0.0 and z.real * sign > 0]))
             for i in range(real.size // 2):
                 if used < n:
                     low, high = real[real.size - 2 - 2 * i], real[real.size - 1 - 2 * i]
@@ -146,8 +145,9 @@ def follow(found: Exponents, eps: FloatArray, start: ComplexArray, conservative:
 def test_function(found: Exponents, p: int, q: int, j: int, sign: int, conservative: bool) -> FloatArray:
     """Return f (k,) of the resonance j Omega = omega_p ± omega_q, positive where the two are unstable.
 
-    That of `floquet.pair.instability`, from logarithms: analytic where the two coalesce. NaN where one of the modes is
-    unstable with another one.
+    ``p`` and ``q`` are numbers of modes from 0, ``found`` is that of `follow`, and ``sign`` is 1 or -1. f is that of
+    `floquet.pair.instability`, from logarithms: analytic where the two coalesce. NaN where one of the modes is unstable
+    with another one.
     """
     angle, modulus, split = found
     apart = angle[:, p] + sign * angle[:, q] - 2 * np.pi * j
@@ -173,7 +173,8 @@ def test_function(found: Exponents, p: int, q: int, j: int, sign: int, conservat
 def edge(found: Exponents, eps: FloatArray, outside: int, inside: int, further: int, conservative: bool) -> float:
     """Return where between two neighbouring amplitudes, ``outside`` and ``inside`` a region, its edge is.
 
-    At a zero of the parabola through the test function f of the most unstable pair at both and at ``further`` inside.
+    At a zero of the parabola through the test function f of the most unstable pair at both and at ``further`` inside,
+    of the straight line if ``further`` is ``inside``; halfway if f does not change its sign.
     """
     angle, modulus, split = found
     top = int((modulus[inside] + split[inside]).argmax())

@@ -7,6 +7,7 @@ import pytest
 from scipy.optimize import brentq
 from scipy.special import mathieu_a, mathieu_b
 
+from floquet import monodromy
 from floquet.column import least_frequency, log2_steps, multipliers
 from floquet.coordinates import blocks, equations
 from floquet.exponents import Exponents, edge, follow, modes, modes_symplectic, test_function
@@ -99,8 +100,6 @@ def test_an_edge_between_two_amplitudes(damping: float) -> None:
             if (4 / Omega**2 - side(1, 0.2 / Omega**2)) * (4 / Omega**2 - side(1, 2 / Omega**2)) < 0
         )
     else:  # x = y exp(-damping t): y grows like exp(damping t) at the edge, found by integration
-        from floquet import monodromy
-
         exact = brentq(lambda e: monodromy(system, Omega, e).growth_rate, eps[inside - 1], eps[inside], xtol=1e-10)
     # a parabola through amplitudes 1/32 apart
     assert low == pytest.approx(exact, abs=1e-4)
