@@ -26,6 +26,8 @@ VARIANT_COLOURS = (BLUE, ORANGE, GREEN, PURPLE)
 GROWTH_MAP = "Blues"
 # Labels closer than this would run into each other: the width of a character and the space between two labels.
 CHARACTER_POINTS, LABEL_GAP_POINTS = 5.6, 8.0
+# A region narrower than this part of the window at the top of it is not seen.
+VISIBLE = 1 / 400
 # Where variants lie on top of each other, each stays visible beside the narrower line of the next.
 LINE_WIDTH, WIDER = 1.4, 1.0
 # Inches that the legend of a picture with a single panel needs.
@@ -293,15 +295,16 @@ def label_regions(figure: Figure, axes: Axes, curves: Sequence[TransitionCurve],
     figure.draw_without_rendering()  # only the layout knows how wide the axes are
     low, high = axes.get_xlim()
     width_points = axes.get_window_extent().width * 72 / axes.figure.dpi
-    inside = [curve for curve in curves if low < curve.centre < high]
+    places = {curve: _where_seen(curve, low, high, eps_max) for curve in curves}
+    inside = [curve for curve in curves if np.isfinite(places[curve])]
     spacing = CHARACTER_POINTS * max((len(curve.label) for curve in inside), default=0) + LABEL_GAP_POINTS
     inside.sort(key=lambda curve: -float(np.nan_to_num(np.subtract(*reversed(curve.edges(eps_max))))))
-    seen = sorted(inside[: int(width_points / spacing)], key=lambda curve: curve.centre)
-    wanted = [(curve.centre - low) / (high - low) * width_points for curve in seen]
+    seen = sorted(inside[: int(width_points / spacing)], key=places.__getitem__)
+    wanted = [(places[curve] - low) / (high - low) * width_points for curve in seen]
     for curve, place in zip(seen, _spread(wanted, spacing, width_points), strict=True):
         axes.annotate(
             curve.label,
-            xy=(curve.centre, eps_max),
+            xy=(places[curve], eps_max),
             xytext=(low + place / width_points * (high - low), eps_max * 1.045),
             ha="center",
             va="bottom",
@@ -311,11 +314,20 @@ def label_regions(figure: Figure, axes: Axes, curves: Sequence[TransitionCurve],
         )
 
 
+def _where_seen(curve: TransitionCurve, low: float, high: float, eps_max: float) -> float:
+    """Return where a region starts or, if that is outside, the middle of what leans into the window; NaN if nothing."""
+    if low < curve.centre < high:
+        return curve.centre
+    lower, upper = curve.edges(eps_max)
+    left, right = max(float(lower), low), min(float(upper), high)
+    return (left + right) / 2 if right - left > VISIBLE * (high - low) else float("nan")
+
+
 def _is_visible(axes: Axes, curve: TransitionCurve, eps_max: float) -> bool:
-    """Whether the region is at least 1/400 of the window wide somewhere."""
+    """Whether the region is wide enough to be seen."""
     low, high = axes.get_xlim()
     lower, upper = curve.edges(eps_max)
-    return bool(upper - lower > (high - low) / 400)
+    return bool(upper - lower > VISIBLE * (high - low))
 
 
 def _spread(wanted: Sequence[float], spacing: float, room: float) -> list[float]:

@@ -72,6 +72,18 @@ def test_the_widest_regions_are_named_first(layer: Layer) -> None:
     assert "ω₁+ω₂" in {text.get_text() for text in figure.axes[0].texts}
 
 
+def test_a_region_that_leans_into_the_window_is_named(layer: Layer) -> None:
+    Omega = layer.chart.Omega
+    curves = [curve for curve, _ in layer.panels if curve.p != curve.q]
+    beside = curves[0].centre + 0.02  # most of the right half of ω₁+ω₂ is in the window, its centre is not
+    part = stability_chart(coupled_mathieu(), np.linspace(beside, Omega[-1], 8), [0.0, 0.3], n_jobs=1, progress=False)
+    (label,) = overlay(part, curves).axes[0].texts
+    assert label.get_text() == "ω₁+ω₂"
+    assert beside < label.xy[0] < curves[0].edges(0.3)[1]  # type: ignore[attr-defined]
+    far = stability_chart(coupled_mathieu(), np.linspace(beside + 0.5, 4.0, 8), [0.0, 0.3], n_jobs=1, progress=False)
+    assert not overlay(far, curves).axes[0].texts
+
+
 def test_a_line_skips_what_could_not_be_followed_and_breaks_where_closed(layer: Layer) -> None:
     trace = next(trace for curve, trace in layer.panels if curve.p != curve.q)
     gap = replace(trace, upper=np.array([trace.upper[0], np.nan, trace.upper[2]]))
