@@ -67,6 +67,7 @@ def write_report(studies: Sequence[CaseStudy], claims: Sequence[ClaimVerdict], f
         "pictures": pictures,
         "judged": len(regions),
         "agreeing": sum(verdict.agrees for verdict in regions),
+        "failed_charts": sum(not variant.passed_audit for study in studies for variant in study.variants),
         "tolerance": VALIDITY_TOLERANCE,
     }
     for name in ("report.html", "report.md"):

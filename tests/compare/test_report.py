@@ -161,4 +161,9 @@ def test_a_chart_that_failed_its_audit_is_a_disagreement(study: CaseStudy, tmp_p
     assert not worse.agrees
     assert worse.to_dict()["variants"][0]["chart_passed_audit"] is False
     write_report([worse], [], tmp_path)
-    assert 'class="bad">' in (tmp_path / "report.html").read_text(encoding="utf-8")
+    for name in ("report.html", "report.md"):
+        head, details = (tmp_path / name).read_text(encoding="utf-8").split("Plates", 1)
+        assert "Charts not to be trusted: 1." in head
+        assert "DO NOT TRUST THIS CHART" in details
+    write_report([study], [], tmp_path)
+    assert "not to be trusted" not in (tmp_path / "report.html").read_text(encoding="utf-8")
