@@ -59,7 +59,8 @@ def write_report(studies: Sequence[CaseStudy], claims: Sequence[ClaimVerdict], f
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters.update(number=_number, measured=_measured, cell=_cell, status=_status, holds_to=_holds_to)
+    environment.filters.update(number=_number, figures=_figures, measured=_measured)
+    environment.filters.update(cell=_cell, status=_status, holds_to=_holds_to)
     regions = [verdict for study in studies for variant in study.variants for verdict in variant.verdicts]
     facts = {
         "studies": studies,
@@ -94,6 +95,11 @@ def _number(value: float, digits: int = 5) -> str:
     return "–" if math.isnan(value) else f"{value:.{digits}g}"
 
 
+def _figures(value: float, digits: int = 5) -> str:
+    """Return `_number` with the zeros at its end, for columns that align their decimal points."""
+    return "–" if math.isnan(value) else f"{value:#.{digits}g}"
+
+
 def _measured(value: Measured) -> str:
     """Return a measured number with no more digits than its error allows."""
     number, error = value
@@ -117,12 +123,12 @@ def _status(check: Traced) -> str:
 
 
 def _holds_to(variant: VariantStudy, label: str) -> str:
-    """Return how far first order holds for a region, where its boundary was traced."""
+    """Return where first order holds for a region, if its boundary was traced."""
     for curve, trace in variant.panels:
         if curve.label == label and trace.is_open.any():
             found = validity(curve, trace, (VALIDITY_TOLERANCE,))[0]
             if math.isnan(found.last):
                 return "nowhere"
-            start = f"{found.first:.2g} – " if found.first > 0 else ""
-            return f"{start}{'≥ ' if found.to_the_end else ''}{found.last:.2g}"
+            start = f"{found.first:.2g} " if found.first > 0 else ""
+            return f"{start}to {'≥ ' if found.to_the_end else ''}{found.last:.2g}"
     return "–"

@@ -128,7 +128,8 @@ def _claims(options: argparse.Namespace) -> list[ClaimVerdict]:
     claims = judge_claims(n_jobs=options.jobs, progress=not options.no_progress, quick=options.quick)
     print("\nThe paper's claims")
     for claim in claims:
-        traced = f"{len(claim.counter_examples)} counter-examples traced" if claim.counter_examples else ""
+        count = len(claim.counter_examples)
+        traced = f"{count} counter-example{'s' if count > 1 else ''} traced" if count else ""
         doubt = "" if claim.is_decided else "NOT CONFIRMED by integration"
         print(f"  {claim.name:<48}{claim.verdict.value:<18}  {doubt or traced}")
     return claims

@@ -116,7 +116,7 @@ def test_every_region_and_claim_is_in_both(folder: Path, study: CaseStudy) -> No
         for variant in study.variants:
             for verdict in variant.verdicts:
                 assert verdict.label in text
-                assert f"{verdict.centre:.6g}" in text
+                assert f"{verdict.centre:#.6g}" in text
                 assert verdict.reason in text
         assert "holds with limits" in text
         assert "Everything shrinks" in text
