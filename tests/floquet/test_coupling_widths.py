@@ -7,6 +7,7 @@ import pytest
 from scipy.optimize import brentq
 from scipy.special import mathieu_a, mathieu_b
 
+from floquet import trace_boundary
 from floquet.coupling import candidates
 from floquet.names import resonances
 from periodic import PeriodicSystem
@@ -34,6 +35,8 @@ def test_widths_of_mathieu_tongues(order: int) -> None:
     for eps in (0.05, 0.1):
         found = {one.name.j: one for one in candidates(mathieu(), resonances(mathieu(), 0.2, 3.0), eps)}
         assert found[order].width == pytest.approx(width_of_mathieu(order, eps), rel=order**2 * eps**2)
+        widths = [one.width for one in found.values()]
+        assert widths == sorted(widths, reverse=True)
 
 
 @pytest.mark.parametrize("kind", ["sum", "difference"])
@@ -55,12 +58,37 @@ def test_a_second_harmonic_opens_the_second_tongue_to_first_order() -> None:
     assert tongue.width == pytest.approx(0.01 / 2, rel=1e-3)
 
 
+def test_a_tongue_without_a_coupling_of_its_lowest_order() -> None:
+    # from mode 1 to mode 2 by the first harmonic and back by the second: 2 omega_1 opens like eps^2, nothing directly
+    zero, swap = np.zeros((2, 2)), np.array([[0.0, 1.0], [1.0, 0.0]])
+    system = PeriodicSystem(np.eye(2), zero, zero, np.diag([1.0, 1.7**2]), cosine=[swap, 0.5 * swap])
+    eps = 0.02
+    (one,) = candidates(system, resonances(system, 1.99, 2.01), eps)
+    region = trace_boundary(system, near=2.0, eps=[eps])
+    assert one.width == pytest.approx(float(region.upper[0] - region.lower[0]), rel=0.02)
+
+
+@pytest.mark.parametrize("sense", [1, -1])
+def test_a_rotating_stiffness_meets_the_mode_that_whirls_along(sense: int) -> None:
+    # z'' + i g z' + z + eps exp(i Omega t) conj(z) = 0: the slow mode, forward, has Omega = 2 omega ± 2 eps / (2 omega
+    # + g); the fast one, backward, would need Omega < 0. If the stiffness turns backward it is the other way round.
+    zero, g, eps = np.zeros((2, 2)), 0.8, 0.01
+    along, across = np.diag([1.0, -1.0]), np.array([[0.0, 1.0], [1.0, 0.0]])
+    system = PeriodicSystem(np.eye(2), g * np.array([[0, -1], [1, 0]]), zero, np.eye(2), [along], [sense * across])
+    found = candidates(system, resonances(system, 0.5, 4.0), eps)
+    widths = {one.p: one.width for one in found if one.p == one.q and one.name.j == 1 and one.width > 1e-9}
+    assert widths == pytest.approx({0 if sense > 0 else 1: 4 * eps / np.sqrt(g**2 + 4)}, rel=1e-3)
+
+
 def test_damping_closes_narrow_resonances() -> None:
     # the tongue of order n of the damped equation is closed while its largest growth is below the damping
     open_ = {one.name.j for one in candidates(mathieu(damping=0.01), resonances(mathieu(), 0.2, 3.0), 0.1)}
     assert open_ == {1}
     assert candidates(mathieu(damping=0.5), resonances(mathieu(), 0.2, 3.0), 0.1) == []
     assert candidates(mathieu(), [], 0.1) == []
+    # growth eps / 4 = 0.025 against decay damping / 2: what is closed by less than a factor of two is looked for
+    assert [one.name.j for one in candidates(mathieu(damping=0.08), resonances(mathieu(), 0.2, 3.0), 0.1)] == [1]
+    assert candidates(mathieu(damping=0.12), resonances(mathieu(), 0.2, 3.0), 0.1) == []
 
 
 @pytest.mark.parametrize(("stiffness", "damping"), [(1.0, 2.0), (0.0, 0.0)])

@@ -27,9 +27,25 @@ def shuffled(angle: np.ndarray, modulus: np.ndarray, split: np.ndarray) -> Expon
     return Exponents(*(np.take_along_axis(part, order, axis=1) for part in (folded, modulus, split)))
 
 
+def coupled_by(k: np.ndarray, d1: float, d2: float, s: float) -> Exponents:
+    """Exponents i + lambda of [[-d1 + i s, k], [k, -d2 - i s]]: unstable from k^2 = d1 d2 (1 + (2 s / (d1 + d2))^2)."""
+    root = np.sqrt(((d2 - d1) / 2 + 1j * s) ** 2 + k**2)
+    pair = -(d1 + d2) / 2 + np.column_stack([root, -root])
+    return Exponents(1.0 + pair.imag, pair.real.copy(), np.zeros((len(k), 2)))
+
+
 @pytest.mark.kernel
 def test_modes_that_cross_are_told_apart() -> None:
     angle = np.array([5.0, 7.3, 31.0, 12.0]) + EPS[:, None] ** 2 * [2.0, -1.5, 0.4, 3.0]
+    zero = np.zeros_like(angle)
+    found = follow(shuffled(angle, zero, zero), EPS, 1j * angle[0], True)
+    np.testing.assert_allclose(found.angle, angle, atol=1e-12)
+
+
+@pytest.mark.kernel
+def test_shifts_begin_with_the_square_of_eps() -> None:
+    # the first shift, four times as large at the second amplitude, overtakes a mode at rest
+    angle = np.array([1.0, 1.0 + 2.5 * 50 * EPS[1] ** 2]) + 50 * EPS[:, None] ** 2 * [1.0, 0.0]
     zero = np.zeros_like(angle)
     found = follow(shuffled(angle, zero, zero), EPS, 1j * angle[0], True)
     np.testing.assert_allclose(found.angle, angle, atol=1e-12)
@@ -82,6 +98,35 @@ def test_multipliers_become_modes() -> None:
     symplectic = modes_symplectic(s, np.zeros(1))
     np.testing.assert_allclose(symplectic.angle, [[1.0, 0.0]], atol=1e-12)
     np.testing.assert_allclose(symplectic.split, [[0.0, 0.3]], atol=1e-12)
+    # a quadruple: one mode grows, the other decays
+    quadruple = modes_symplectic(2 * np.cosh([[0.1 + 1j, 0.1 - 1j]]), np.zeros(1))
+    np.testing.assert_allclose(quadruple.angle, 1.0, atol=1e-12)
+    np.testing.assert_allclose(quadruple.modulus, [[0.1, -0.1]], atol=1e-12)
+
+
+def test_the_test_function_of_two_damped_modes_is_analytic() -> None:
+    d1, d2, s, k = 0.1, 0.4, 0.05, np.linspace(0, 0.5, 21)
+    found = coupled_by(k, d1, d2, s)
+    found.angle[:, 0] += 2 * np.pi
+    f = test_function(found, 0, 1, 1, -1, False)
+    np.testing.assert_allclose(f, k**2 - d1 * d2 * (1 + (2 * s / (d1 + d2)) ** 2), atol=1e-12)
+
+
+def test_the_test_function_is_unknown_where_a_mode_is_unstable_with_another() -> None:
+    zero = np.zeros((1, 2))
+    angle, one = np.array([[2.0, 2 * np.pi - 2.0]]), np.array([[0.3, 0.0]])
+    assert test_function(Exponents(angle, zero, zero), 0, 1, 1, 1, True) == pytest.approx([0.0])
+    for modulus, split in ((one, zero), (zero, one)):
+        assert np.isnan(test_function(Exponents(angle, modulus, split), 0, 1, 1, 1, True)).all()
+    assert np.isnan(test_function(Exponents(angle, one, zero), 0, 0, 1, 1, True)).all()
+    assert test_function(Exponents(angle, one, zero), 0, 0, 1, 1, False) < 0  # damped, it has left the circle anyway
+
+
+@pytest.mark.kernel
+def test_an_edge_may_be_met_exactly() -> None:
+    eps, angle = np.array([0.1, 0.2, 0.3]), np.full((3, 1), np.pi)
+    found = Exponents(angle, np.zeros((3, 1)), np.array([[0.0], [0.2], [0.25]]))
+    assert edge(found, eps, 0, 1, 2, True) == 0.1
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.05])
@@ -108,11 +153,8 @@ def test_an_edge_between_two_amplitudes(damping: float) -> None:
 
 @pytest.mark.kernel
 def test_the_edge_of_two_modes_of_unequal_damping_is_exact_where_f_is_a_parabola() -> None:
-    # lambda of [[-d1 + i s, k], [k, -d2 - i s]]: unstable from k^2 = d1 d2 (1 + (2 s / (d1 + d2))^2) on
     d1, d2, s, eps = 0.1, 0.4, 0.05, np.linspace(0, 0.5, 21)
-    root = np.sqrt(((d2 - d1) / 2 + 1j * s) ** 2 + eps**2)
-    pair = -(d1 + d2) / 2 + np.column_stack([root, -root])
-    found = Exponents(1.0 + pair.imag, pair.real.copy(), np.zeros((21, 2)))
-    inside = int(np.flatnonzero(pair.real.max(axis=1) > 0)[0])
+    found = coupled_by(eps, d1, d2, s)
+    inside = int(np.flatnonzero(found.modulus.max(axis=1) > 0)[0])
     exact = np.sqrt(d1 * d2 * (1 + (2 * s / (d1 + d2)) ** 2))
     assert edge(found, eps, inside - 1, inside, inside + 1, False) == pytest.approx(exact, abs=1e-9)
