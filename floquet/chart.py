@@ -24,8 +24,9 @@ from floquet.parallel import spread
 from periodic import SystemFamily
 from periodic.checks import FloatArray, grid, one_of, whole_number, workers
 
-# Enough columns to hide joblib's overhead, few enough to balance the load.
-COLUMNS_A_TASK = 8
+# Columns a task: enough to hide joblib's overhead, and, in charts of many, to share the measurement of the error among
+# more; few enough for so many tasks to balance the load.
+LEAST_COLUMNS, MOST_COLUMNS, TASKS = 8, 16, 16
 CELLS = ("growth_rate", "multiplier", "kind", "error")
 AUDIT = ("cells", "differences", "estimates", "contradictions")
 
@@ -193,8 +194,7 @@ def stability_chart(
     def inputs(columns: slice) -> tuple[Any, ...]:
         return [family.at(float(w)) for w in Omega[columns]], Omega[columns], eps, steps
 
-    starts = range(0, Omega.size, COLUMNS_A_TASK)
-    slices = [slice(start, min(start + COLUMNS_A_TASK, Omega.size)) for start in starts]
+    slices = tasks(Omega.size)
     shape = (eps.size, Omega.size)
     cells = Columns(np.empty(shape), np.empty(shape, np.complex128), np.empty(shape, np.int8), np.empty(shape))
     with tqdm(total=Omega.size, unit="column", disable=None if progress is None else not progress) as bar:
@@ -204,6 +204,12 @@ def stability_chart(
             bar.update(columns.stop - columns.start)
     chart = StabilityChart(Omega, eps, *cells)
     return chart if audit == 0 else replace(chart, audit=_audited(family, chart, audit, n_jobs))
+
+
+def tasks(columns: int) -> list[slice]:
+    """Return the columns of each task of a chart, whoever does them: the error of a column depends on its task."""
+    count = min(max(columns // TASKS, LEAST_COLUMNS), MOST_COLUMNS)
+    return [slice(start, min(start + count, columns)) for start in range(0, columns, count)]
 
 
 def _blocks(

@@ -8,17 +8,29 @@ from itertools import groupby
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from floquet.coordinates import Block, blocks, equations
-from floquet.doubling import TOLERANCE
 from floquet.krein import held_apart
 from floquet.multipliers import Kind
 from floquet.sampling import Sampler, Workspace
+from floquet.schedule import TOLERANCE
 from floquet.spectra import eigenvalues
 from floquet.symplectic import reciprocal_pairs, symplectic_eigenvalues
 from floquet.threads import single_blas_thread
-from floquet.verdict import Cells, ComplexArray, Dominant, combine, discrepancy, dominant, dominant_symplectic, judge
+from floquet.verdict import (
+    TINY,
+    Cells,
+    ComplexArray,
+    Dominant,
+    combine,
+    discrepancy,
+    dominant,
+    dominant_symplectic,
+    excess,
+    judge,
+)
 from periodic import PeriodicSystem
 from periodic.checks import FloatArray
 
@@ -33,7 +45,7 @@ CLOSE = 0.1
 # The error is measured at two amplitudes, and with all multipliers; elsewhere it may be a little larger.
 SAFETY = 4.0
 ROUNDINGS = 32  # for each row of a matrix, from interpolation and eigenvalues; each step of the period adds one
-UNIT, TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
+UNIT = float(np.finfo(float).eps)
 
 
 class Columns(NamedTuple):
@@ -83,17 +95,13 @@ def _columns(
 ) -> Cells:
     """Return the cells of a system at some neighbouring frequencies, arrays of shape (frequencies, k)."""
     measured = _measured(Omega)
-    after = np.searchsorted(measured, np.arange(len(Omega)))
-    before = np.searchsorted(measured, np.arange(len(Omega)), side="right") - 1
     cells = []
     for block in parts:
         columns = [
             _column(block, float(w), eps, steps_a_cycle, work, measure=i in measured) for i, w in enumerate(Omega)
         ]
         found = Dominant(*(np.array(part) for part in zip(*(column.found for column in columns), strict=True)))
-        slopes = np.array([columns[i].slope for i in measured])
-        slopes = np.maximum(slopes[before], slopes[after])
-        E = np.array([column.error(slope) for column, slope in zip(columns, slopes, strict=True)])
+        E = _errors(block, eps, columns, measured)
         judged = judge(found, E, block.symplectic or block.reversible)
         if block.symplectic:
             for i in np.flatnonzero(_in_doubt(judged).any(axis=1)):
@@ -103,8 +111,8 @@ def _columns(
 
 
 def _in_doubt(judged: Cells) -> NDArray[np.bool_]:
-    """Return where all multipliers are on the unit circle, but two of them close."""
-    return np.asarray((judged.kind == Kind.UNDECIDED) & (judged.log_modulus == 0))
+    """Return where all multipliers are on the unit circle within their errors, but two of them close."""
+    return np.asarray(judged.kind == Kind.UNDECIDED)
 
 
 def _look_again(
@@ -116,28 +124,19 @@ def _look_again(
     Phi = sampler.matrices(eps[cells], log2_steps(block, Omega, eps, steps_a_cycle), TOLERANCE)
     stable = cells[held_apart(Phi, E[cells])]
     judged.kind[stable] = Kind.STABLE
+    judged.log_modulus[stable] = 0.0
     judged.error[stable] = E[stable]
 
 
 class _Column(NamedTuple):
-    """The dominant multipliers of a block at one frequency, and what their errors follow from.
-
-    The error of a matrix goes with its norm, E with that in units of the multipliers: the excess nu. Where two of them
-    coalesce, there is an off-diagonal entry of that size between them, and rounding errors u nu of the others shift
-    the square of their distance by u nu^2. Of a symplectic matrix the sums mu + 1/mu are computed, which rounding
-    errors u nu shift by as much.
-    """
+    """The dominant multipliers of a block at one frequency, and what their errors follow from."""
 
     found: Dominant
-    # E is a multiple of T h^4 |eps| nu, T and h in cycles, by a factor that neighbouring columns share
-    truncation: FloatArray
-    slope: float  # that factor, the largest of those measured; 0 if it was not measured
-    rounding: FloatArray
+    nu: FloatArray  # norms of the matrices in units of the largest multiplier, (k,)
     losses: FloatArray
-
-    def error(self, slope: float) -> FloatArray:
-        """Return the errors E (k,)."""
-        return SAFETY * self.losses * np.maximum(slope * self.truncation, self.rounding)
+    cycles: float  # T and h, the period and a step, in cycles of the fastest motion
+    step: float
+    slope: float  # E as part of T h^4 |eps| nu, the largest of those measured; 0 if it was not measured
 
 
 def _column(
@@ -146,19 +145,38 @@ def _column(
     """Integrate a column; ``measure`` its error at two amplitudes, by integrating once more with half the step."""
     L = log2_steps(block, Omega, eps, steps_a_cycle)
     sampler = Sampler(block, equations(block, least_frequency(Omega)), Omega, work)
-    spectra = multipliers(sampler, eps, L, TOLERANCE)
-    mu, exponents = spectra.mu, spectra.exponents
+    mu, exponents, losses, norms = multipliers(sampler, eps, L, TOLERANCE)
     found = dominant_symplectic(mu, exponents) if block.symplectic else dominant(mu, exponents, block.reversible)
-    nu = spectra.excess(block.symplectic)
-    # exact at eps = 0, and the error grows at least like eps^2; the straight line is on the safe side
+    nu = excess(mu, exponents, norms, block.symplectic)
     cycles = fastest(block, Omega, eps) / Omega
-    truncation, slope = cycles * (cycles / 2.0**L) ** 4 * np.abs(eps) * nu, 0.0
+    step, slope = cycles / 2.0**L, 0.0
     if measure:
         tested = _tested(eps)
+        unit = cycles * step**4 * np.abs(eps) * nu
         measured = _discrepancies(sampler, mu[tested], exponents[tested], eps[tested], L)
-        slope = (measured / np.maximum(truncation[tested], truncation.max() / 4 + TINY)).max()
-    rounding = UNIT * (2.0**L + ROUNDINGS * sampler.size) * (nu if block.symplectic else nu**2)
-    return _Column(found, truncation, slope, rounding, spectra.losses)
+        slope = (measured / np.maximum(unit[tested], unit.max() / 4 + TINY)).max()
+    return _Column(found, nu, losses, cycles, step, slope)
+
+
+def _errors(block: Block, eps: FloatArray, columns: Sequence[_Column], measured: Sequence[int]) -> FloatArray:
+    """Return the errors E (columns, k) of neighbouring columns, of which some were ``measured``.
+
+    The error of a matrix goes with its norm, E with that in units of the multipliers: the excess nu. Truncation makes E
+    a multiple of T h^4 |eps| nu, by a factor that neighbouring columns share: it is exact at eps = 0, and its error
+    grows at least like eps^2, so that the straight line is on the safe side. Rounding errors are u nu: where two
+    multipliers coalesce there is an off-diagonal entry of size nu between them, and the square of their distance shifts
+    by u nu^2. Of a symplectic matrix the sums mu + 1/mu are computed, which rounding errors u nu shift by as much.
+    """
+    nu, losses = (np.array([getattr(column, name) for column in columns]) for name in ("nu", "losses"))
+    cycles, step, slope = np.array([(column.cycles, column.step, column.slope) for column in columns]).T
+    places = np.arange(len(columns))
+    before, after = np.searchsorted(measured, places, side="right") - 1, np.searchsorted(measured, places)
+    slope = slope[list(measured)]
+    unit = cycles * step**4 * np.maximum(slope[before], slope[after])
+    truncation = unit[:, None] * np.abs(eps) * nu
+    roundings = cycles / step + ROUNDINGS * 2 * len(block.K)
+    rounding = UNIT * roundings[:, None] * (nu if block.symplectic else nu**2)
+    return np.asarray(SAFETY * losses * np.maximum(truncation, rounding))
 
 
 def _measured(Omega: FloatArray) -> list[int]:
@@ -222,12 +240,6 @@ class Spectra(NamedTuple):
     losses: FloatArray
     norms: FloatArray
 
-    def excess(self, symplectic: bool) -> FloatArray:
-        """Return the norms in units of the largest multiplier, (k,): 1 for a normal matrix."""
-        size = np.nan_to_num(np.abs(self.mu)).max(axis=1)
-        least = np.exp2(-self.exponents) if symplectic else TINY  # mu + 1/mu may be zero, mu not
-        return np.asarray(np.maximum(self.norms / np.maximum(size, least), 1.0))
-
 
 def multipliers(sampler: Sampler, eps: FloatArray, L: int, tolerance: float) -> Spectra:
     """Return the multipliers of a block at the amplitudes ``eps``, from 2^L steps a period."""
@@ -235,10 +247,18 @@ def multipliers(sampler: Sampler, eps: FloatArray, L: int, tolerance: float) -> 
     parts = []
     for panel in sampler.panels(eps, L, tolerance):
         mu = solve(panel.samples, panel.weights)[: panel.norms.size]
+        lose_unfinished(mu, panel.scale.losses)
         parts.append(Spectra(mu, *panel.scale, panel.norms))
-    found = Spectra(*(np.concatenate(part) for part in zip(*parts, strict=True)))
-    found.losses[~np.isfinite(found.mu).all(axis=1)] = np.inf  # an eigenvalue that did not converge: nothing is known
-    return found
+    return parts[0] if len(parts) == 1 else Spectra(*(np.concatenate(part) for part in zip(*parts, strict=True)))
+
+
+@njit(cache=True, nogil=True)
+def lose_unfinished(mu: ComplexArray, losses: FloatArray) -> None:
+    """Make losses infinite where an eigenvalue did not converge: nothing is known."""
+    for c in range(len(mu)):
+        for i in range(mu.shape[1]):
+            if not (np.isfinite(mu[c, i].real) and np.isfinite(mu[c, i].imag)):
+                losses[c] = np.inf
 
 
 def _tested(eps: FloatArray) -> list[int]:

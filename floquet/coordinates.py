@@ -58,7 +58,7 @@ class Equations(NamedTuple):
     A: FloatArray
     left: FloatArray
     right: FloatArray
-    strength: FloatArray
+    strength: tuple[float, ...]
 
 
 @lru_cache(maxsize=8)  # most families have one system for all frequencies
@@ -111,7 +111,7 @@ def equations(block: Block, least: float) -> Equations:
     root = np.sqrt(w)
     scaled = np.concatenate([block.Fc, block.Fs]) / np.outer(root, root)
     cosine, sine = np.linalg.norm(scaled, 2, axis=(1, 2)).reshape(2, -1)
-    strength = np.hypot(cosine, sine) / 2
+    strength = tuple((np.hypot(cosine, sine) / 2).tolist())
     if not block.symplectic:
         A = np.block([[np.zeros((b, b)), np.diag(w)], [-block.K / w, -block.G - block.C]])
         return Equations(A, np.ones(b), 1 / w, strength)

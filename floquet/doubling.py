@@ -1,53 +1,21 @@
-"""Floquet doubling: the monodromy matrices of a whole column of a chart from a few hundred small matrix products.
+"""Floquet doubling: the monodromy matrices of a whole column of a chart from a hundred or two small matrix products.
 
 P_l(theta, eps), the product of 2^l steps that begin at phase theta, obeys P_{l+1}(theta) = P_l(theta + 2 pi / B)
-P_l(theta), where B = 2^(L - l) such products make one period; P_L is the monodromy matrix. All P_l are entire
-functions of eps and of theta, and nearly constant while they span a small part of the period, so that a few phases
-and a few amplitudes determine them (floquet/interpolation.py).
+P_l(theta), where B = 2^(L - l) such products make one period; P_L is the monodromy matrix. Which P_l are sampled, and
+how the others follow from these, is in the `Schedule` (floquet/schedule.py).
 """
 
 from __future__ import annotations
 
-import math
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from floquet.interpolation import chebyshev_points, chebyshev_weights, degree, trigonometric_weights
+from floquet.schedule import Schedule
 from periodic.checks import FloatArray
 
-# Error of each interpolation if the bound on growth were attained. It never is: with this value the errors measured
-# are a few 1e-13 of the norm, which is rounding.
-TOLERANCE = 1e-10
-# Samples at different phases may differ in size by the exponential of twice this; interpolating between more than that
-# would lose the small ones to the rounding of the large.
-MOST_GROWTH = 3.0
 LARGE = 2.0**200
-
-
-class Schedule(NamedTuple):
-    """Samples and weights of all doublings.
-
-    Attributes
-    ----------
-    phases, nodes : tuple of int
-        P_l is sampled at ``phases[l]`` equispaced phases and ``nodes[l]`` amplitudes.
-    weights : ndarray
-        For each doubling the matrix (nodes[l + 1], nodes[l]) that interpolates in eps, and those (phases[l + 1],
-        phases[l]) that interpolate to the phases theta of the first and theta + 2 pi / B of the second factor, one
-        after the other.
-    present : bool ndarray, shape (L, 3)
-        Which of these matrices are there. Missing are those that would change nothing, and both of the last kind
-        where all phases that occur have been sampled.
-    """
-
-    phases: NDArray[np.int64]
-    nodes: NDArray[np.int64]
-    weights: FloatArray
-    present: NDArray[np.bool_]
 
 
 class Scale(NamedTuple):
@@ -66,146 +34,70 @@ def unit_scale(amplitudes: int) -> Scale:
     return Scale(np.zeros(amplitudes), np.ones(amplitudes))
 
 
-def quantised(x: float) -> float:
-    """Return the next fourth of a power of two above ``x``, so that neighbouring columns share their schedule."""
-    return 2.0 ** (math.ceil(4 * math.log2(x)) / 4) if x > 0 else 0.0
-
-
-@lru_cache(maxsize=1024)
-def phase_counts(L: int, x_phase: tuple[float, ...], tolerance: float) -> tuple[int, ...]:
-    """Return at how many phases P_0 ... P_L are sampled; arguments as for `schedule`."""
-    return tuple(_phases(2 ** (L - level), x_phase, tolerance) for level in range(L + 1))
-
-
-@lru_cache(maxsize=1024)
-def schedule(L: int, x_phase: tuple[float, ...], x_eps: float, tolerance: float, levels: int) -> Schedule:
-    """Plan the first ``levels`` doublings of 2^L steps.
-
-    ``x_phase[j - 1]`` bounds the logarithm of the growth that harmonic j can bring about in one period at the largest
-    amplitude, ``x_eps`` that of all harmonics together between the middle of the range of amplitudes and its ends
-    (0: the amplitudes are those wanted, and stay).
-    """
-    steps = [2 ** (L - level) for level in range(levels + 1)]  # B
-    phases = phase_counts(L, x_phase, tolerance)[: levels + 1]
-    nodes = [degree((x_eps / B,), tolerance) + 1 if x_eps > 0 else 1 for B in steps]
-    weights, present = [np.empty(0)], np.zeros((levels, 3), bool)
-    for level in range(levels):
-        B, p, q, m, k = steps[level], *phases[level : level + 2], *nodes[level : level + 2]
-        present[level] = k != m, p not in (B, q), p != B
-        if k != m:
-            weights.append(_from_nodes_to_nodes(m, k))
-        if p not in (B, q):
-            weights.append(_to_phases(p, q, 0.0))
-        if p != B:
-            weights.append(_to_phases(p, q, 2 * math.pi / B))
-    return Schedule(np.array(phases), np.array(nodes), np.concatenate(weights), present)
-
-
-def _phases(B: int, x_phase: tuple[float, ...], tolerance: float) -> int:
-    x = tuple(x / B for x in x_phase)
-    return B if sum(x) > MOST_GROWTH else min(B, 2 * degree(x, tolerance) + 1)
-
-
-@lru_cache(maxsize=1024)
-def _from_nodes_to_nodes(m: int, k: int) -> FloatArray:
-    return chebyshev_weights(m, chebyshev_points(k)).ravel()
-
-
-@lru_cache(maxsize=1024)
-def _to_phases(p: int, q: int, shift: float) -> FloatArray:
-    return trigonometric_weights(p, 2 * np.pi * np.arange(q) / q + shift).ravel()
-
-
 @njit(cache=True, nogil=True)
-def doublings(
-    P: FloatArray,
-    phases: NDArray[np.int64],
-    nodes: NDArray[np.int64],
-    weights: FloatArray,
-    present: NDArray[np.bool_],
-    scale: Scale,
-    work: tuple[FloatArray, FloatArray, FloatArray],
-) -> FloatArray:
-    """Return the samples of P_L, given those of P_0, shape (phases[0], m, N, N), and a `Schedule`.
+def doublings(N: int, plan: Schedule, scale: Scale, work: tuple[FloatArray, FloatArray]) -> FloatArray:
+    """Return the samples (sizes[-1], N, N) at the end of a schedule, given those at its beginning in ``work[0]``.
 
-    ``scale``, that of P_0, is changed to that of P_L. P_0 may be in ``work[0]``; each array of ``work`` has room for
-    what is written to it.
+    ``scale`` is changed from that of the beginning to that of the end; each array of ``work`` has room for all matrices
+    that are in use at a time.
     """
-    N, used = P.shape[2], 0
-    for level in range(present.shape[0]):
-        p, q, m = phases[level], phases[level + 1], P.shape[1]
-        k = nodes[level + 1] if present[level, 0] else m
-        rows = np.array([k, q, q]) * present[level]
-        columns = np.array([m, p, p])
-        ends = used + (rows * columns).cumsum()
-        to_nodes = weights[used : ends[0]].reshape(rows[0], m)
-        first = weights[ends[0] : ends[1]].reshape(rows[1], p)
-        second = weights[ends[1] : ends[2]].reshape(rows[2], p)
-        used = ends[2]
-        target = work[1] if level % 2 == 0 else work[0]
-        result = target[: q * k * N * N].reshape(q, k, N, N)
-        double(P, to_nodes, first, second, result, scale, work[2])
-        P = result
+    phases, nodes, weights, pairs = plan.phases, plan.nodes, plan.weights, plan.pairs
+    here, done, used, size = 0, 0, 0, N * N
+    for level in range(plan.others.size):
+        p, e, m, k = phases[level], plan.others[level], nodes[level], plan.groups[level]
+        if m != k:
+            to_groups = weights[done : done + k * m].reshape(k, m)
+            done += k * m
+            for i in range(p):
+                coarse = work[here][i * m * size : (i + 1) * m * size].reshape(m, size)
+                np.dot(to_groups, coarse, work[1 - here][i * k * size : (i + 1) * k * size].reshape(k, size))
+            here = 1 - here
+        if e > 0:
+            to_others = weights[done : done + e * p].reshape(e, p)
+            done += e * p
+            flat = work[here][: (p + e) * k * size].reshape(p + e, k * size)
+            np.dot(to_others, flat[:p], flat[p:])
+        q = phases[level + 1] * nodes[level + 1] // k
+        first, second = pairs[used : used + q], pairs[used + q : used + 2 * q]
+        used += 2 * q
+        P = work[here][: (p + e) * k * size].reshape(p + e, k, N, N)
+        result = work[1 - here][: q * k * size].reshape(q * k, N, N)
+        for i in range(q):
+            for a in range(k):
+                np.dot(P[second[i], a], P[first[i], a], result[i * k + a])
+                if plan.watched[level]:
+                    loss = cancellation(P[second[i], a], P[first[i], a], result[i * k + a])
+                    if plan.grid[level]:
+                        amplitude = (i * k + a) % scale.losses.size
+                        scale.losses[amplitude] = max(scale.losses[amplitude], loss)
+                    else:
+                        scale.losses[:] = np.maximum(scale.losses, loss)
+        here = 1 - here
         scale.exponents[:] *= 2.0
-        rescale(P, scale)
-    return P
+        rescale(result, scale, plan.grid[level])
+    count = phases[-1] * nodes[-1]
+    return work[here][: count * size].reshape(count, N, N)
 
 
 @njit(cache=True, nogil=True)
-def double(
-    P: FloatArray,
-    to_nodes: FloatArray,
-    first: FloatArray,
-    second: FloatArray,
-    result: FloatArray,
-    scale: Scale,
-    scratch: FloatArray,
-) -> None:
-    """Write P_{l+1} (p', m', N, N) from P_l (p, m, N, N), by weights as in a `Schedule`, empty if missing there.
-
-    ``scratch`` has room for (p + 2 p') m' matrices.
-    """
-    p, m, N = P.shape[0], P.shape[1], P.shape[2]
-    used = 0
-    if to_nodes.size > 0:
-        m = to_nodes.shape[0]
-        finer = scratch[: p * m * N * N].reshape(p, m, N * N)
-        for i in range(p):
-            np.dot(to_nodes, P[i].reshape(P.shape[1], N * N), finer[i])
-        P, used = finer.reshape(p, m, N, N), finer.size
-    begin, end, stride, offset = P, P, 2, 1
-    if second.size > 0:
-        q, stride, offset = second.shape[0], 1, 0
-        flat = P.reshape(p, m * N * N)
-        end = scratch[used : used + q * m * N * N].reshape(q, m, N, N)
-        np.dot(second, flat, end.reshape(q, m * N * N))
-        used += end.size
-        if first.size > 0:
-            begin = scratch[used : used + q * m * N * N].reshape(q, m, N, N)
-            np.dot(first, flat, begin.reshape(q, m * N * N))
-    for i in range(result.shape[0]):
-        for a in range(m):
-            np.dot(end[stride * i + offset, a], begin[stride * i, a], result[i, a])
-            if second.size == 0:
-                k = a * scale.losses.size // m
-                loss = cancellation(end[stride * i + offset, a], begin[stride * i, a], result[i, a])
-                scale.losses[k] = max(scale.losses[k], loss)
-
-
-@njit(cache=True, nogil=True)
-def rescale(P: FloatArray, scale: Scale) -> None:
-    """Take powers of two out of P (p, m, N, N) where it is far from one, and add them to the exponents."""
-    exponents = scale.exponents
-    p, m = P.shape[0], exponents.size
-    parts = P.reshape(p, m, P.size // (p * m))
-    for a in range(m):
+def rescale(P: FloatArray, scale: Scale, grid: bool) -> None:
+    """Take powers of two out of P (s, N, N) where it is far from one, and add them to the exponents: those of each
+    amplitude if they are a ``grid`` in which these follow each other at every phase."""
+    amplitudes = scale.exponents.size if grid else 1
+    size = P.size // P.shape[0]
+    parts = P.reshape(P.shape[0], size)
+    for a in range(amplitudes):
         square = 0.0
-        for i in range(p):
-            square += np.dot(parts[i, a], parts[i, a])
+        for i in range(a, P.shape[0], amplitudes):
+            square += np.dot(parts[i], parts[i])
         if square > LARGE**2 or 0.0 < square < LARGE**-2:
             exponent = np.floor(0.5 * np.log2(square))
-            parts[:, a] *= 2.0**-exponent
-            exponents[a] += exponent
+            for i in range(a, P.shape[0], amplitudes):
+                parts[i] *= 2.0**-exponent
+            if grid:
+                scale.exponents[a] += exponent
+            else:
+                scale.exponents[:] += exponent
 
 
 @njit(cache=True, nogil=True)

@@ -48,11 +48,11 @@ def single_steps(
     left: FloatArray,
     right: FloatArray,
     h: float,
+    theta: FloatArray,
     eps: FloatArray,
     P: FloatArray,
 ) -> None:
-    """Write the steps exp(h A) (I + kick) at equispaced phases and the given amplitudes into P (phases, len(eps), N,
-    N).
+    """Write the steps exp(h A) (I + kick) at the phases ``theta`` and amplitudes ``eps`` (s,) into P (s, N, N).
 
     The kick changes the velocities by left [-h eps F + (h^3 eps^2 / 12) F^2] right times the displacements (``left``
     and ``right`` are the diagonals that the coordinates bring with them). The second term is half of h^3 / 12 times
@@ -65,16 +65,10 @@ def single_steps(
     n = N // 2
     E = exponential(h * A)
     E2 = E[:, n:].copy()
-    for i in range(P.shape[0]):
-        F = forcing(Fc, Fs, 2.0 * np.pi * i / P.shape[0])
-        F2 = np.dot(F, F)
+    for i in range(theta.size):
+        F = forcing(Fc, Fs, theta[i])
+        kick = (h**3 * eps[i] ** 2 / 12.0) * np.dot(F, F) - (h * eps[i]) * F
         for k in range(n):
-            F[k] *= left[k] * right
-            F2[k] *= left[k] * right
-        first, second = np.dot(E2, F), np.dot(E2, F2)
-        for a in range(eps.size):
-            P[i, a] = E
-            linear, quadratic = -h * eps[a], h**3 * eps[a] ** 2 / 12.0
-            for r in range(N):
-                for c in range(n):
-                    P[i, a, r, c] += linear * first[r, c] + quadratic * second[r, c]
+            kick[k] *= left[k] * right
+        P[i] = E
+        P[i, :, :n] += np.dot(E2, kick)

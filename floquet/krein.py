@@ -21,7 +21,7 @@ PART_OF_THE_WAY = 0.1
 
 
 def held_apart(Phi: FloatArray, E: FloatArray) -> NDArray[np.bool_]:
-    """Return whether the multipliers of symplectic matrices (k, 2n, 2n), all on the unit circle, cannot meet, (k,).
+    """Return whether the multipliers of symplectic matrices (k, 2n, 2n) are on the unit circle and cannot meet, (k,).
 
     ``E`` (k,) is what shifts of multipliers, times the gaps to their neighbours, may amount to. Typically 2n of them
     are pi / n apart, so that the shifts are E n / pi, times the condition number.
@@ -31,5 +31,6 @@ def held_apart(Phi: FloatArray, E: FloatArray) -> NDArray[np.bool_]:
     condition = 1 / np.maximum(2 * np.abs((V[:, :n].conj() * V[:, n:]).sum(axis=1).imag), np.finfo(float).tiny)
     distances = np.abs(mu[:, :, None] - mu[:, None, :])
     distances[:, np.arange(2 * n), np.arange(2 * n)] = np.inf
-    shifts = condition * (E * max(n / np.pi, 1))[:, None]
+    with np.errstate(over="ignore"):  # off the circle the condition is infinite
+        shifts = condition * (E * max(n / np.pi, 1))[:, None]
     return np.asarray((shifts <= PART_OF_THE_WAY * distances.min(axis=2)).all(axis=1))

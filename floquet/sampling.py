@@ -5,30 +5,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 
 from floquet.coordinates import Block, Equations
-from floquet.doubling import (
-    Scale,
-    Schedule,
-    cancellation,
-    doublings,
-    phase_counts,
-    quantised,
-    rescale,
-    schedule,
-    unit_scale,
-)
-from floquet.interpolation import chebyshev_points, chebyshev_weights, trigonometric_weights
+from floquet.doubling import Scale, cancellation, doublings, rescale, unit_scale
+from floquet.interpolation import chebyshev_points, chebyshev_weights, degree, trigonometric_weights
+from floquet.kept import kept
 from floquet.kernels import single_steps
 from floquet.lanes import WIDTH
+from floquet.schedule import MOST_GROWTH, TOLERANCE, Schedule, growth, phase_count, quantised, schedule
 from periodic.checks import FloatArray
 
-MOST_ENTRIES = 2**22  # of one array of samples (32 MB); five such arrays are in use at a time
-MOST_MATRICES = 2**14  # of one array, since each has its interpolation weights
+MOST_ENTRIES = 2**23  # of one array of samples (64 MB); two such arrays are in use at a time
+MOST_MATRICES = 2**14  # of one array, since others are interpolated between them, with a weight for each
 # Samples to be interpolated between may differ in size by this much; the smallest lose as many digits to rounding.
 MOST_CONTRAST = 30.0
 # Logarithm of the growth that the factors of one product may differ by; the small ones must not underflow.
@@ -55,14 +47,13 @@ class Workspace:
     """Arrays that are used again and again: fresh memory costs more than the arithmetic on it."""
 
     def __init__(self) -> None:
-        self._buffers = [np.empty(0), np.empty(0), np.empty(0)]
+        self._buffers = [np.empty(0), np.empty(0)]
 
-    def arrays(self, *sizes: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return three arrays with at least ``sizes`` entries, contents void."""
-        for i, size in enumerate(sizes):
-            if self._buffers[i].size < size:
-                self._buffers[i] = np.empty(size)
-        return self._buffers[0], self._buffers[1], self._buffers[2]
+    def arrays(self, size: int) -> tuple[FloatArray, FloatArray]:
+        """Return two arrays with at least ``size`` entries, contents void."""
+        if self._buffers[0].size < size:
+            self._buffers = [np.empty(size), np.empty(size)]
+        return self._buffers[0], self._buffers[1]
 
 
 class Sampler:
@@ -98,101 +89,128 @@ class Sampler:
 
     def _interpolated(self, eps: FloatArray, L: int, tolerance: float) -> Panel | None:
         """Return a panel with samples at Chebyshev points; None if they would be too many, or are too unequal."""
-        middle, radius = (eps[-1] + eps[0]) / 2, (eps[-1] - eps[0]) / 2
-        plan = self.plan(eps, radius, L, tolerance, L)
-        if plan.nodes[-1] >= len(eps) or (plan.phases * plan.nodes).max() * self.size**2 > MOST_ENTRIES:
+        plan = self.plan(eps, L, tolerance)
+        if plan is None:
             return None
         scale = unit_scale(1)
-        samples = self._sample(plan, middle + radius * chebyshev_points(plan.nodes[0]), L, scale)[0]
-        squares = _squares(samples)
-        sizes = np.diag(squares)
-        if not sizes.max() <= MOST_CONTRAST**2 * sizes.min():
+        samples = self._sample(plan.schedule, _largest(eps), L, scale)
+        norms, contrast = _norms(samples, plan.weights)
+        if not contrast <= MOST_CONTRAST:
             return None
-        weights = _interpolation(len(samples), ((eps - middle) / radius).tobytes())
-        scale = Scale(*(np.repeat(part, len(eps)) for part in scale))
-        return Panel(slice(0), samples, weights, scale, _norms(squares, weights)[: len(eps)])
+        scale = Scale(*(np.full(len(eps), part[0]) for part in scale))
+        return Panel(slice(0), samples, plan.weights, scale, norms[: len(eps)])
+
+    def plan(self, eps: FloatArray, L: int, tolerance: float) -> Interpolation | None:
+        """Return how the monodromy matrices at ``eps`` are interpolated, from 2^L steps a period; None if that takes
+        too many samples."""
+        rate = sum(self.equations.strength) * self.period
+        x = growth(self.equations.strength, self.period * _largest(eps))
+        across = quantised(rate * (float(eps[-1]) - float(eps[0])) / 2)
+        return _interpolation(x, across, eps.tobytes(), L, tolerance, MOST_ENTRIES // self.size**2)
 
     def _direct(self, eps: FloatArray, L: int, tolerance: float) -> Panel | None:
         """Return a panel with samples at the amplitudes themselves; None if they are several and need too much
         memory."""
-        phases = phase_counts(L, self._growth(eps), tolerance)
-        growth = np.abs(eps).max() * self.period * self.equations.strength.sum()
-        stop = 0
-        while stop < L and self._fits(phases[stop + 1] * len(eps), growth / 2 ** (L - stop - 1)):
-            stop += 1
+        largest = float(np.abs(eps).max())
+        x = growth(self.equations.strength, self.period * largest)
+        stop, B, phases = 0, 2**L, phase_count(2**L, x, tolerance)
+        while stop < L:
+            fewer = phase_count(B // 2, x, tolerance)
+            if not self._fits(fewer * len(eps), 2 * sum(x) / B):
+                break
+            stop, B, phases = stop + 1, B // 2, fewer
         if stop < L and len(eps) > 1:
             return None
-        scale = unit_scale(len(eps))
-        P = self._sample(self.plan(eps, 0.0, L, tolerance, stop), eps, L, scale)
+        amplitudes, scale = eps / (largest or 1.0), unit_scale(len(eps))
+        P = self._sample(schedule(x, 0.0, amplitudes.tobytes(), phases, B, stop, tolerance), largest, L, scale)
         if stop < L:
-            P, scale = self._ordered_product(P, 2 ** (L - stop), growth, scale)
+            P, scale = self._ordered_product(P, B, sum(x), scale)
         weights = in_lanes(np.eye(len(eps)))
-        return Panel(slice(0), P[0], weights, scale, _norms(_squares(P[0]), weights)[: len(eps)])
+        return Panel(slice(0), P, weights, scale, _norms(P, weights)[0][: len(eps)])
 
     def _fits(self, matrices: int, growth: float) -> bool:
-        return matrices <= MOST_MATRICES and matrices * self.size**2 <= MOST_ENTRIES and growth <= MOST_FACTOR
+        return matrices <= MOST_MATRICES and matrices * self.size**2 <= MOST_ENTRIES // 2 and growth <= MOST_FACTOR
 
-    def plan(self, eps: FloatArray, radius: float, L: int, tolerance: float, levels: int) -> Schedule:
-        """Return the schedule of the first ``levels`` doublings of 2^L steps, for amplitudes ``eps`` that lie within
-        ``radius`` of their middle."""
-        x_eps = quantised(radius * self.period * float(self.equations.strength.sum()))
-        return schedule(L, self._growth(eps), x_eps, tolerance, levels)
-
-    def _growth(self, eps: FloatArray) -> tuple[float, ...]:
-        return tuple(quantised(x) for x in np.abs(eps).max() * self.period * self.equations.strength)
-
-    def _sample(self, plan: Schedule, eps: FloatArray, L: int, scale: Scale) -> FloatArray:
-        """Return the samples at the end of a schedule that begins at the amplitudes ``eps``."""
-        phases, m, size = plan.phases, len(eps) // plan.nodes[0] * plan.nodes, self.size**2
-        samples = int((phases * m).max()) * size
-        scratch = int(((phases[:-1] + 2 * phases[1:]) * m[1:]).max(initial=0)) * size
-        work = self.work.arrays(samples, samples, scratch)
-        P = work[0][: phases[0] * len(eps) * size].reshape(phases[0], len(eps), self.size, self.size)
+    def _sample(self, plan: Schedule, largest: float, L: int, scale: Scale) -> FloatArray:
+        """Return the samples at the end of a schedule, given the largest amplitude."""
+        N, work = self.size, self.work.arrays(plan.most * self.size**2)
         A, left, right, _ = self.equations
-        single_steps(A, self.block.Fc, self.block.Fs, left, right, self.period / 2**L, eps, P)
-        return doublings(P, plan.phases, plan.nodes, plan.weights, plan.present, scale, work)
+        P = work[0][: len(plan.theta) * N * N].reshape(-1, N, N)
+        h = self.period / 2**L
+        single_steps(A, self.block.Fc, self.block.Fs, left, right, h, plan.theta, largest * plan.eps, P)
+        return doublings(N, plan, scale, work)
 
     def _ordered_product(self, P: FloatArray, B: int, growth: float, scale: Scale) -> tuple[FloatArray, Scale]:
-        """Return the product of the B factors P(2 pi b / B), b = 0 ... B - 1, of one amplitude, a part at a time."""
-        p, halvings = P.shape[0], 0
+        """Return the product of the B factors P(2 pi b / B), b = 0 ... B - 1, of one amplitude, a part at a time, given
+        ``P`` (p, N, N) at p equispaced phases."""
+        N, p, halvings = self.size, len(P), 0
         while 2**halvings < min(B, FACTORS) and self._fits(2 ** (halvings + 1), 2 ** (halvings + 1) * growth / B):
             halvings += 1
-        some, missing = 2 ** np.arange(halvings, -1, -1), np.zeros((halvings, 3), bool)
-        work = Workspace().arrays(2**halvings * self.size**2, 2**halvings * self.size**2, 0)
-        product, total = np.eye(self.size)[None, None], unit_scale(1)
-        for start in range(0, B, 2**halvings):
-            phases = np.arange(start, start + 2**halvings)
+        count = 2**halvings
+        plan = schedule((np.inf,), 0.0, np.ones(1).tobytes(), 1, B // count, halvings, TOLERANCE)  # all factors
+        work = Workspace().arrays(count * N * N)
+        product, total = np.eye(N)[None], unit_scale(1)
+        for start in range(0, B, count):
+            factors = work[0][: count * N * N].reshape(count, N, N)
+            phases = np.arange(start, start + count)
             if p < B:
                 weights = trigonometric_weights(p, 2 * np.pi * phases / B)
-                factors = (weights @ P.reshape(p, -1)).reshape(-1, 1, self.size, self.size)
+                np.dot(weights, P.reshape(p, N * N), out=factors.reshape(count, N * N))
             else:
-                factors = P[phases]
+                factors[:] = P[phases]
             part = Scale(scale.exponents.copy(), scale.losses)
-            part_product = doublings(factors, some, some, np.empty(0), missing, part, work)
+            part_product = doublings(N, plan, part, work)
             before, product = product, part_product @ product
-            loss = cancellation(part_product[0, 0], before[0, 0], product[0, 0])
+            loss = cancellation(part_product[0], before[0], product[0])
             total.losses[0] = max(total.losses[0], part.losses[0], loss)
             total.exponents[:] += part.exponents
-            rescale(product, total)
+            rescale(product, total, grid=True)
         return product, total
 
 
-def _squares(samples: FloatArray) -> FloatArray:
-    """Return the scalar products (m, m) of ``samples`` (m, N, N); that of a rotation with itself is 1."""
-    m, N = samples.shape[:2]
+class Interpolation(NamedTuple):
+    """How the matrices of a panel follow from samples at Chebyshev points: by ``weights`` as in `Panel`."""
+
+    schedule: Schedule
+    weights: FloatArray
+
+
+@kept
+def _interpolation(
+    x: tuple[float, ...], across: float, cells: bytes, L: int, tolerance: float, most: int
+) -> Interpolation | None:
+    """Return the interpolation at the amplitudes ``cells``, or None if it takes as many samples, or more than ``most``
+    matrices at a time; ``x`` as from `growth`, ``across`` that between the middle of the amplitudes and their ends."""
+    eps = np.frombuffer(cells)
+    middle, radius = (eps[-1] + eps[0]) / 2, (eps[-1] - eps[0]) / 2
+    nodes = degree((across,), tolerance) + 1
+    if nodes >= len(eps) or nodes * sum(x) / MOST_GROWTH > most:  # the latter where no phases are interpolated
+        return None
+    points = (middle + radius * chebyshev_points(nodes)) / np.abs(eps).max()
+    plan = schedule(x, across, points.tobytes(), 1, 1, L, tolerance)
+    if plan.most > most:
+        return None
+    return Interpolation(plan, in_lanes(chebyshev_weights(nodes, (eps - middle) / radius)))
+
+
+def _largest(eps: FloatArray) -> float:
+    """Return the largest modulus of increasing amplitudes."""
+    return max(abs(float(eps[0])), abs(float(eps[-1])))
+
+
+@njit(cache=True, nogil=True)
+def _norms(samples: FloatArray, weights: FloatArray) -> tuple[FloatArray, float]:
+    """Return the norms of combinations of ``samples`` with weights as in `Panel`, 1 for a rotation, and the ratio of
+    the largest to the smallest norm of a sample."""
+    m, N = samples.shape[0], samples.shape[1]
     flat = samples.reshape(m, N * N)
-    return np.asarray(flat @ flat.T / N)
-
-
-def _norms(squares: FloatArray, weights: FloatArray) -> FloatArray:
-    """Return the norms of combinations of samples from the scalar products of these."""
-    return np.asarray(np.sqrt(np.maximum((weights * (squares @ weights)).sum(axis=1).ravel(), 0.0)))
-
-
-@lru_cache(maxsize=64)
-def _interpolation(m: int, x: bytes) -> FloatArray:
-    """Return the weights of a panel with m Chebyshev points for the amplitudes ``x``, scaled to [-1, 1]."""
-    return in_lanes(chebyshev_weights(m, np.frombuffer(x)))
+    squares = np.dot(flat, flat.T) / N
+    norms = np.empty(weights.shape[0] * weights.shape[2])
+    for g in range(weights.shape[0]):
+        found = (weights[g] * np.dot(squares, weights[g])).sum(axis=0)
+        norms[g * found.size : (g + 1) * found.size] = np.sqrt(np.maximum(found, 0.0))
+    sizes = np.diag(squares)
+    return norms, np.sqrt(sizes.max() / sizes.min())
 
 
 def in_lanes(weights: FloatArray) -> FloatArray:

@@ -21,6 +21,7 @@ ComplexArray = NDArray[np.complex128]
 # Multipliers on the unit circle whose distance is more than this times sqrt(E) cannot meet and leave it: the error of
 # the square of their distance is 4 E.
 APART = 3.0
+TINY = float(np.finfo(float).tiny)
 
 
 class Cells(NamedTuple):
@@ -67,6 +68,24 @@ def dominant(mu: ComplexArray, exponents: FloatArray, reversible: bool) -> Domin
 
 
 @njit(cache=True, nogil=True)
+def excess(mu: ComplexArray, exponents: FloatArray, norms: FloatArray, symplectic: bool) -> FloatArray:
+    """Return ``norms`` (k,) in units of the largest of the 2^exponents[c] mu[c, i], at least 1, which is what it is for
+    a normal matrix.
+
+    ``symplectic``: ``mu`` is mu + 1/mu, which may be zero where mu is not.
+    """
+    nu = np.ones(len(mu))
+    for c in range(len(mu)):
+        size = 2.0 ** -exponents[c] if symplectic else TINY
+        for i in range(mu.shape[1]):
+            modulus = abs(mu[c, i])
+            if modulus > size:  # NaN is not
+                size = modulus
+        nu[c] = max(norms[c] / size, 1.0)
+    return nu
+
+
+@njit(cache=True, nogil=True)
 def exponent(s: complex, shift: float) -> tuple[float, float]:
     """Return log|mu| >= 0 and the argument in [0, pi] of the larger multiplier with mu + 1/mu = 2^shift s.
 
@@ -92,8 +111,15 @@ def dominant_symplectic(s: ComplexArray, exponents: FloatArray) -> Dominant:
     """Return the dominant multipliers of cells with mu + 1/mu = 2^exponents[c] s[c, i], s of shape (k, n)."""
     k, n = s.shape
     log_modulus, angle, gap = np.empty(k), np.empty(k), np.empty(k)
-    u, v = np.empty(n), np.empty(n)
+    u, v, cosines = np.zeros(n), np.zeros(n), np.zeros(n)
     for c in range(k):
+        on_circle = exponents[c] == 0.0
+        for i in range(n):
+            cosines[i] = 0.5 * s[c, i].real
+            on_circle &= s[c, i].imag == 0.0 and abs(cosines[i]) <= 1.0
+        if on_circle:
+            log_modulus[c], angle[c], gap[c] = 0.0, np.arccos(cosines[0]), _least_chord(cosines)
+            continue
         count, top = 0, 0
         for i in range(n):
             if s[c, i].imag >= 0.0:  # a complex pair belongs to one pair mu, 1 / conj(mu) in the upper half plane
@@ -101,18 +127,27 @@ def dominant_symplectic(s: ComplexArray, exponents: FloatArray) -> Dominant:
                 if u[count] > u[top]:
                     top = count
                 count += 1
-        if u[top] == 0.0:  # all on the unit circle: neighbours, and the images of the first and the last
-            on_circle = np.sort(v[:count])
-            nearest = min(2.0 * on_circle[0], 2.0 * (np.pi - on_circle[-1]))
-            for i in range(1, count):
-                nearest = min(nearest, on_circle[i] - on_circle[i - 1])
-        else:
-            nearest = _distance_to_images(u[top], v[top])
-            for i in range(count):
-                if i != top:
-                    nearest = min(nearest, np.hypot(u[top] - u[i], v[top] - v[i]))
+        nearest = _distance_to_images(u[top], v[top])
+        for i in range(count):
+            if i != top:
+                nearest = min(nearest, np.hypot(u[top] - u[i], v[top] - v[i]))
         log_modulus[c], angle[c], gap[c] = u[top], v[top], nearest
     return Dominant(log_modulus, angle, gap)
+
+
+@njit(cache=True, nogil=True)
+def _least_chord(cosines: FloatArray) -> float:
+    """Return the smallest distance between two of the points on the unit circle that have these cosines; sorts them."""
+    last_c, last_s, least = 1.0, 0.0, np.inf
+    cosines.sort()
+    for i in range(cosines.size - 1, -1, -1):
+        c = cosines[i]
+        sine = np.sqrt((1.0 - c) * (1.0 + c))
+        least = min(least, 2.0 * sine)  # one in the upper half plane and its image
+        if i < cosines.size - 1:
+            least = min(least, np.sqrt((c - last_c) ** 2 + (sine - last_s) ** 2))
+        last_c, last_s = c, sine
+    return least
 
 
 @njit(cache=True, nogil=True)

@@ -225,9 +225,9 @@ def cpu_time(function: Callable[..., Any], *arguments: Any) -> tuple[float, Any]
 
 
 def all_stages(plan: Plan) -> dict[tuple[int, float], Stages]:
-    """Return where the time of every eighth column of each chart goes."""
+    """Return where the time of each chart goes."""
     Omega, eps = grids(plan.columns, plan.rows)
-    return {(n, damping): stages(plate(n, damping), Omega[::8], eps) for n in plan.sizes for damping in (0.0, DAMPING)}
+    return {(n, damping): stages(plate(n, damping), Omega, eps) for n in plan.sizes for damping in (0.0, DAMPING)}
 
 
 def scaling(plan: Plan) -> list[tuple[str, float, float]]:

@@ -9,10 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from floquet.chart import COLUMNS_A_TASK
-from floquet.column import TOLERANCE, chart_block, least_frequency, log2_steps, multipliers, steps_needed
+from floquet.chart import tasks
+from floquet.column import chart_block, least_frequency, log2_steps, multipliers, steps_needed
 from floquet.coordinates import Block, blocks, equations
 from floquet.sampling import Sampler, Workspace
+from floquet.schedule import TOLERANCE
 from floquet.symplectic import reciprocal_pairs
 from floquet.threads import single_blas_thread
 from periodic import SystemFamily
@@ -55,16 +56,20 @@ def chart_multipliers(family: SystemFamily, Omega: float, eps: FloatArray) -> ND
     return np.concatenate(found, axis=1)
 
 
-def stages(family: SystemFamily, Omega: FloatArray, eps: FloatArray, rounds: int = 3) -> Stages:
-    """Time the stages of a chart, the least of some rounds each."""
-    systems = [family.at(float(w)) for w in Omega]
+def stages(family: SystemFamily, Omega: FloatArray, eps: FloatArray, every: int = 4, rounds: int = 3) -> Stages:
+    """Time the stages of some tasks of a chart, one out of ``every`` so many; the least of some rounds each."""
+    some = [Omega[columns] for columns in tasks(len(Omega))[::every]]
+    blocks_of_columns = [([family.at(float(w)) for w in part], part) for part in some]
+    Omega = np.concatenate(some)
+    systems = [system for part, _ in blocks_of_columns for system in part]
     steps = steps_needed([systems[0], systems[-1]], Omega[[0, -1]], eps)
     work = Workspace()
     samplers = [_sampler(b, float(w), eps, steps, work) for s, w in zip(systems, Omega, strict=True) for b in blocks(s)]
     operations = 0.0
     for sampler, L in samplers:
-        plan = sampler.plan(eps, (eps[-1] - eps[0]) / 2, L, TOLERANCE, L)
-        operations += 2.0 * sampler.size**3 * float((plan.phases * plan.nodes)[1:].sum())
+        plan = sampler.plan(eps, L, TOLERANCE)
+        if plan is not None:
+            operations += 2.0 * sampler.size**3 * float(plan.schedule.sizes[1:].sum())
 
     def sample() -> None:
         for sampler, L in samplers:
@@ -76,8 +81,8 @@ def stages(family: SystemFamily, Omega: FloatArray, eps: FloatArray, rounds: int
             multipliers(sampler, eps, L, TOLERANCE)
 
     def whole() -> None:
-        for start in range(0, len(Omega), COLUMNS_A_TASK):
-            chart_block(systems[start : start + COLUMNS_A_TASK], Omega[start : start + COLUMNS_A_TASK], eps, steps)
+        for columns in blocks_of_columns:
+            chart_block(*columns, eps, steps)
 
     A = np.random.default_rng(0).standard_normal((PEAK_SIZE, PEAK_SIZE))
     with single_blas_thread():

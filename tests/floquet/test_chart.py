@@ -157,7 +157,7 @@ def test_columns_do_not_depend_on_their_task(monkeypatch):
     system = random_system(24, 3, 1)
     Omega, eps = np.linspace(0.8, 3.0, 13), np.linspace(0, 0.6, 12)
     one = chart(system, Omega, eps)
-    monkeypatch.setattr(floquet.chart, "COLUMNS_A_TASK", 5)
+    monkeypatch.setattr(floquet.chart, "LEAST_COLUMNS", 5)
     assert same(one, chart(system, Omega, eps))
 
 

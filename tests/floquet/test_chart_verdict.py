@@ -39,9 +39,9 @@ def test_dominant_of_a_reversible_block_looks_at_every_pair():
 @pytest.mark.parametrize(
     ("mu", "gap"),
     [
-        ([np.exp(1j), np.exp(1.2j)], 0.2),  # all on the circle: the closest two
-        ([np.exp(0.05j), np.exp(2j)], 0.1),  # next to +1: the conjugate
-        ([np.exp(3.1j), np.exp(2j)], 2 * (np.pi - 3.1)),  # next to -1
+        ([np.exp(1j), np.exp(2.5j), np.exp(1.2j)], 2 * np.sin(0.1)),  # all on the circle: the closest two
+        ([np.exp(0.05j), np.exp(2j)], 2 * np.sin(0.05)),  # next to +1: the conjugate
+        ([np.exp(3.1j), np.exp(2j)], 2 * np.sin(3.1)),  # next to -1
         ([1.2, np.exp(2j)], 2 * np.log(1.2)),  # real: the reciprocal
         ([1.1 * np.exp(1j), 1.1 * np.exp(-1j)], 2 * np.log(1.1)),  # a quadruple
     ],

@@ -15,10 +15,11 @@ from scipy.special import iv
 import floquet.sampling
 from floquet import monodromy
 from floquet.coordinates import blocks, equations
-from floquet.doubling import TOLERANCE, doublings, schedule, unit_scale
+from floquet.doubling import doublings, unit_scale
 from floquet.interpolation import chebyshev_points, chebyshev_weights, degree, trigonometric_weights
 from floquet.kernels import exponential, single_steps
 from floquet.sampling import Sampler, Workspace
+from floquet.schedule import TOLERANCE, growth, schedule
 from periodic.examples import mathieu
 
 some = settings(max_examples=20, deadline=None)
@@ -28,9 +29,11 @@ def steps(block, Omega, eps, N, phases=None):
     """The single steps of a block at ``phases`` (default: all N) phases, and amplitude ``eps``."""
     free = equations(block, 0.01)
     size = len(free.A)
-    P = np.empty((phases or N, 1, size, size))
-    single_steps(free.A, block.Fc, block.Fs, free.left, free.right, 2 * np.pi / Omega / N, np.array([eps]), P)
-    return P[:, 0]
+    theta = 2 * np.pi * np.arange(phases or N) / (phases or N)
+    P = np.empty((len(theta), size, size))
+    h = 2 * np.pi / Omega / N
+    single_steps(free.A, block.Fc, block.Fs, free.left, free.right, h, theta, np.full(len(theta), eps), P)
+    return P
 
 
 def ordered(factors):
@@ -141,6 +144,86 @@ def test_trigonometric_weights_reproduce_harmonics(p):
             assert trigonometric_weights(p, theta) @ wave(q * grid) == pytest.approx(wave(q * theta), abs=1e-12)
 
 
+# ---- where to sample ----
+
+CHARTS = [
+    ((2.0,), 0.0),
+    ((0.03,), 0.0),
+    ((2.5,), -1.0),
+    ((0.4,), 0.9),
+    ((30.0,), 0.0),
+    ((0.0, 1.5), 0.0),
+    ((1.0, 0.5), 0),
+]
+NODES = 25
+
+
+def planned(x, lowest, levels):
+    """A plan that ends with the monodromy matrices at Chebyshev points of lowest <= eps <= 1, and these points."""
+    points = (1 + lowest) / 2 + (1 - lowest) / 2 * chebyshev_points(NODES)
+    across = sum(x) * (1 - lowest) / 2
+    return schedule(x, across, (points / points[0]).tobytes(), 1, 1, levels, TOLERANCE), points
+
+
+def doubled(plan, values):
+    """What becomes of matrices (s, N, N) at the beginning of a plan."""
+    N = values.shape[-1]
+    work = (np.zeros(plan.most * N * N), np.zeros(plan.most * N * N))
+    work[0][: values.size] = values.ravel()
+    return doublings(N, plan, unit_scale(1), work)
+
+
+def scalar_growth(x, theta, eps, span, phases):
+    """exp of the integral of eps sum_j x_j cos(j t + phase_j) / (2 pi) over a part ``span`` of the period from theta: a
+    product of steps for a system of one coordinate, whose factors commute."""
+    total = np.zeros_like(theta)
+    for j, (rate, phase) in enumerate(zip(x, phases, strict=True), 1):
+        total += rate / (2 * np.pi * j) * (np.sin(j * (theta + span) + phase) - np.sin(j * theta + phase))
+    return np.exp(eps * total)
+
+
+@pytest.mark.kernel
+@pytest.mark.parametrize(("x", "lowest"), CHARTS)
+def test_samples_are_enough(x, lowest):
+    levels, phases = 8, np.arange(len(x)) + 0.4
+    plan, points = planned(x, lowest, levels)
+    some = scalar_growth(x, plan.theta, plan.eps * points[0], 2 * np.pi / 2**levels, phases)
+    # the mean of F is zero; errors of the factors count once for each of them, and as parts of what they grow by
+    tolerance = 1e-10 * np.exp(2 * sum(x) / np.pi)
+    assert doubled(plan, some[:, None, None]).ravel() == pytest.approx(np.ones(NODES), abs=tolerance)
+
+
+@pytest.mark.kernel
+@pytest.mark.parametrize(("x", "lowest"), CHARTS)
+def test_rounding_errors_do_not_grow_by_interpolation(x, lowest):
+    # [[1, d], [0, 1]]: products add the d, an error at each sample in turn
+    plan, _ = planned(x, lowest, 8)
+    ways = []
+    for one in range(plan.sizes[0]):
+        values = np.tile(np.eye(2), (plan.sizes[0], 1, 1))
+        values[one, 0, 1] = 1.0
+        ways.append(doubled(plan, values)[:, 0, 1])
+    assert np.linalg.norm(ways, axis=0).max() < 1.25 * 2**8
+
+
+@pytest.mark.kernel
+def test_a_single_harmonic_needs_fewer_samples_than_a_grid():
+    levels, x = 9, 2.0
+    single, _ = planned((x,), 0.0, levels)
+    several, _ = planned((x, 1e-9), 0.0, levels)
+    assert several.grid.all()
+    assert not single.grid[:-1].any()
+    assert single.sizes[:-1].sum() < 0.6 * several.sizes[:-1].sum()
+
+
+def test_growth_is_rounded_up():
+    for strength in ((3.0,), (3.0, 0.01, 1.0)):
+        for size in (0.0, 0.013, 7.7):
+            x = growth(strength, size)
+            assert all(bound >= size * rate for bound, rate in zip(x, strength, strict=True))
+            assert sum(x) <= size * (sum(strength) * 2**0.25 * (1 + len(x) / 16))
+
+
 # ---- doubling ----
 
 
@@ -160,12 +243,10 @@ def test_doubling_is_the_ordered_product(seed, n, harmonics, damped, Omega):
 @pytest.mark.kernel
 def test_doubling_a_single_phase():
     # constant coefficients: one phase, one amplitude, repeated squaring
-    plan = schedule(3, (0.0,), 0.0, TOLERANCE, 3)
-    assert plan.phases.tolist() == [1, 1, 1, 1]
+    plan = schedule((0.0,), 0.0, np.ones(1).tobytes(), 1, 1, 3, TOLERANCE)
+    assert plan.sizes.tolist() == [1, 1, 1, 1]
     P = sla.expm([[0.0, 0.1], [-0.1, 0.0]])
-    work = (np.empty(4), np.empty(4), np.empty(12))
-    found = doublings(P[None, None], plan.phases, plan.nodes, plan.weights, plan.present, unit_scale(1), work)
-    assert found[0, 0] == pytest.approx(np.linalg.matrix_power(P, 8), abs=1e-15)
+    assert doubled(plan, P[None])[0] == pytest.approx(np.linalg.matrix_power(P, 8), abs=1e-14)
 
 
 @pytest.mark.parametrize("entries", [2**22, 300])
@@ -192,12 +273,11 @@ def test_cancellation_is_noted():
     # rotations lose nothing; growth in one half of the period against decay in the other does
     turn = sla.expm([[0.0, 0.3], [-0.3, 0.0]])
     saddle = np.diag([1e4, 1e-4])
-    present, one = np.zeros((1, 3), bool), np.array([2, 1])
-    work = (np.empty(8), np.empty(8), np.empty(8))
+    plan = schedule((np.inf,), 0.0, np.ones(1).tobytes(), 1, 1, 1, TOLERANCE)  # both halves as they are
     losses = []
     for first, second in ((turn, turn), (saddle, np.linalg.inv(saddle))):
-        scale = unit_scale(1)
-        doublings(np.array([first, second])[:, None], one, one, np.empty(0), present, scale, work)
+        scale, work = unit_scale(1), (np.concatenate([first.ravel(), second.ravel()]), np.empty(8))
+        doublings(2, plan, scale, work)
         losses.append(scale.losses[0])
     assert losses[0] == pytest.approx(1, rel=1e-14)
     assert losses[1] == pytest.approx(1e8 / 2, rel=1e-6)

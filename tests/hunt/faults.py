@@ -298,9 +298,23 @@ FAULTS = (
     Fault("damping drives", "floquet/coordinates.py", "-block.G - block.C]", "-block.G + block.C]", DOUBLING),
     Fault(
         "second factor at the wrong phase",
+        "floquet/schedule.py",
+        "np.concatenate([first, first + 2 * np.pi / B])",
+        "np.concatenate([first, first - 2 * np.pi / B])",
+        DOUBLING,
+    ),
+    Fault(
+        "factors in the wrong order",
         "floquet/doubling.py",
-        "_to_phases(p, q, 2 * math.pi / B)",
-        "_to_phases(p, q, -2 * math.pi / B)",
+        "np.dot(P[second[i], a], P[first[i], a], result[i * k + a])",
+        "np.dot(P[first[i], a], P[second[i], a], result[i * k + a])",
+        DOUBLING,
+    ),
+    Fault(
+        "samples chosen for half of the excitation",
+        "floquet/schedule.py",
+        "np.arange(1, len(x) + 1))) * (x / 2)",
+        "np.arange(1, len(x) + 1))) * (x / 4)",
         DOUBLING,
     ),
     Fault(
