@@ -270,8 +270,8 @@ FAULTS = (
     Fault("edges without 1/j", "perturb/curve.py", "self.centre + high / self.j", "self.centre + high", TRANSITION),
     # floquet: the chart
     Fault("weakened step rule", "floquet/column.py", "LEAST_STEPS = 16.0", "LEAST_STEPS = 2.0", ORACLE),
-    Fault("processor term dropped", "floquet/kernels.py", "h**3 * eps[a] ** 2 / 12.0", "0.0 * eps[a]", DOUBLING, True),
-    Fault("sign of the excitation", "floquet/kernels.py", "-h * eps[a]", "h * eps[a]", DOUBLING, True),
+    Fault("processor term dropped", "floquet/kernels.py", "h**3 * eps[i] ** 2 / 12.0", "0.0 * eps[i]", DOUBLING, True),
+    Fault("sign of the excitation", "floquet/kernels.py", "- (h * eps[i]) * F", "+ (h * eps[i]) * F", DOUBLING, True),
     Fault(
         "dropped sine in the steps",
         "floquet/kernels.py",
