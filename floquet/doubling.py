@@ -60,18 +60,18 @@ def doublings(N: int, plan: Schedule, scale: Scale, work: tuple[FloatArray, Floa
         q = phases[level + 1] * nodes[level + 1] // k
         first, second = pairs[used : used + q], pairs[used + q : used + 2 * q]
         used += 2 * q
-        P = work[here][: (p + e) * k * size].reshape(p + e, k, N, N)
+        P = work[here][: (p + e) * k * size].reshape((p + e) * k, N, N)
         result = work[1 - here][: q * k * size].reshape(q * k, N, N)
-        for i in range(q):
-            for a in range(k):
-                np.dot(P[second[i], a], P[first[i], a], result[i * k + a])
-                if plan.watched[level]:
-                    loss = cancellation(P[second[i], a], P[first[i], a], result[i * k + a])
-                    if plan.grid[level]:
-                        amplitude = (i * k + a) % scale.losses.size
-                        scale.losses[amplitude] = max(scale.losses[amplitude], loss)
-                    else:
-                        scale.losses[:] = np.maximum(scale.losses, loss)
+        for i in range(q * k):
+            phase, a = i // k, i % k
+            begin, end = first[phase] * k + a, second[phase] * k + a
+            np.dot(P[end], P[begin], result[i])
+            if plan.watched[level]:
+                loss = cancellation(P[end], P[begin], result[i])
+                if plan.grid[level]:
+                    scale.losses[i % scale.losses.size] = max(scale.losses[i % scale.losses.size], loss)
+                else:
+                    scale.losses[:] = np.maximum(scale.losses, loss)
         here = 1 - here
         scale.exponents[:] *= 2.0
         rescale(result, scale, plan.grid[level])
@@ -84,16 +84,17 @@ def rescale(P: FloatArray, scale: Scale, grid: bool) -> None:
     """Take powers of two out of P (s, N, N) where it is far from one, and add them to the exponents: those of each
     amplitude if they are a ``grid`` in which these follow each other at every phase."""
     amplitudes = scale.exponents.size if grid else 1
-    size = P.size // P.shape[0]
-    parts = P.reshape(P.shape[0], size)
+    parts = P.reshape(P.shape[0] // amplitudes, amplitudes, P.size // P.shape[0])
     for a in range(amplitudes):
         square = 0.0
-        for i in range(a, P.shape[0], amplitudes):
-            square += np.dot(parts[i], parts[i])
+        if amplitudes == 1:
+            square = np.dot(P.reshape(P.size), P.reshape(P.size))
+        else:
+            for i in range(parts.shape[0]):
+                square += np.dot(parts[i, a], parts[i, a])
         if square > LARGE**2 or 0.0 < square < LARGE**-2:
             exponent = np.floor(0.5 * np.log2(square))
-            for i in range(a, P.shape[0], amplitudes):
-                parts[i] *= 2.0**-exponent
+            parts[:, a] *= 2.0**-exponent
             if grid:
                 scale.exponents[a] += exponent
             else:

@@ -32,12 +32,14 @@ def exponential(A: FloatArray) -> FloatArray:
 
 
 @njit(cache=True, nogil=True)
-def forcing(Fc: FloatArray, Fs: FloatArray, theta: float) -> FloatArray:
-    """Return sum_j [F_cj cos j theta + F_sj sin j theta]."""
-    F = np.zeros(Fc.shape[1:])
+def forcing(Fc: FloatArray, Fs: FloatArray, theta: float, F: FloatArray) -> None:
+    """Write sum_j [F_cj cos j theta + F_sj sin j theta] into F."""
+    F[:] = 0.0
     for j in range(Fc.shape[0]):
-        F += np.cos((j + 1) * theta) * Fc[j] + np.sin((j + 1) * theta) * Fs[j]
-    return F
+        cosine, sine = np.cos((j + 1) * theta), np.sin((j + 1) * theta)
+        for r in range(F.shape[0]):
+            for c in range(F.shape[1]):
+                F[r, c] += cosine * Fc[j, r, c] + sine * Fs[j, r, c]
 
 
 @njit(cache=True, nogil=True)
@@ -65,10 +67,16 @@ def single_steps(
     n = N // 2
     E = exponential(h * A)
     E2 = E[:, n:].copy()
+    F, F2, moved = np.empty((n, n)), np.empty((n, n)), np.empty((N, n))
     for i in range(theta.size):
-        F = forcing(Fc, Fs, theta[i])
-        kick = (h**3 * eps[i] ** 2 / 12.0) * np.dot(F, F) - (h * eps[i]) * F
-        for k in range(n):
-            kick[k] *= left[k] * right
+        forcing(Fc, Fs, theta[i], F)
+        np.dot(F, F, F2)
+        linear, quadratic = -h * eps[i], h**3 * eps[i] ** 2 / 12.0
+        for r in range(n):
+            for c in range(n):
+                F[r, c] = left[r] * (linear * F[r, c] + quadratic * F2[r, c]) * right[c]
+        np.dot(E2, F, moved)
         P[i] = E
-        P[i, :, :n] += np.dot(E2, kick)
+        for r in range(N):
+            for c in range(n):
+                P[i, r, c] += moved[r, c]

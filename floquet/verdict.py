@@ -45,25 +45,30 @@ class Dominant(NamedTuple):
 
 
 @njit(cache=True, nogil=True)
+def _square(z: complex) -> float:
+    """Return |z|^2, which is within the range of floats here and needs no root."""
+    return z.real * z.real + z.imag * z.imag
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def dominant(mu: ComplexArray, exponents: FloatArray, reversible: bool) -> Dominant:
     """Return the dominant ones of the multipliers 2^exponents[c] mu[c, i], mu of shape (k, N)."""
     k, N = mu.shape
     log_modulus, angle, gap = np.empty(k), np.empty(k), np.empty(k)
     for c in range(k):
-        top = 0
-        for i in range(1, N):
-            if abs(mu[c, i]) > abs(mu[c, top]):
-                top = i
-        size = abs(mu[c, top])
-        nearest = np.inf
+        top, largest, nearest = 0, 0.0, np.inf
+        for i in range(N):
+            square = _square(mu[c, i])
+            if square > largest:
+                top, largest = i, square
         for i in range(N):
             if i == top or reversible:
                 for j in range(N):
                     if j != i:
-                        nearest = min(nearest, abs(mu[c, i] - mu[c, j]))
-        log_modulus[c] = np.log(size) + exponents[c] * np.log(2.0)
+                        nearest = min(nearest, _square(mu[c, i] - mu[c, j]))
+        log_modulus[c] = 0.5 * np.log(largest) + exponents[c] * np.log(2.0)
         angle[c] = abs(np.angle(mu[c, top]))
-        gap[c] = nearest / size
+        gap[c] = np.sqrt(nearest / largest)
     return Dominant(log_modulus, angle, gap)
 
 
@@ -77,11 +82,12 @@ def excess(mu: ComplexArray, exponents: FloatArray, norms: FloatArray, symplecti
     nu = np.ones(len(mu))
     for c in range(len(mu)):
         size = 2.0 ** -exponents[c] if symplectic else TINY
+        square = size * size
         for i in range(mu.shape[1]):
-            modulus = abs(mu[c, i])
-            if modulus > size:  # NaN is not
-                size = modulus
-        nu[c] = max(norms[c] / size, 1.0)
+            each = _square(mu[c, i])
+            if each > square:  # NaN is not
+                square = each
+        nu[c] = max(norms[c] / max(np.sqrt(square), size), 1.0)
     return nu
 
 

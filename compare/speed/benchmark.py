@@ -17,7 +17,7 @@ from llvmlite.binding import get_host_cpu_name
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_info
 
-from compare.speed.peers import PEERS, Peer, Solve, modal_equations, rk4
+from compare.speed.peers import PEERS, Peer, Solve, mixed_equations, modal_equations, rk4
 from compare.speed.stages import Stages, chart_multipliers, stages
 from floquet import StabilityChart, monodromy, stability_chart
 from periodic.checks import FloatArray
@@ -181,6 +181,8 @@ def cheapest(
 ) -> tuple[Solve, float, float] | None:
     """Return the peer with the first setting that meets `ACCURACY` at all points, that setting and its error."""
     equations = modal_equations(family.at(samples[0].Omega))
+    if peer.mixed:
+        equations = mixed_equations(equations)
     for setting in peer.settings:
         solve = peer.prepare(equations, setting)
         largest = 0.0

@@ -39,13 +39,15 @@ class Peer:
     """A method: its name, the package it needs, how to set it up, and settings from cheap to accurate.
 
     ``prepare(equations, setting)`` returns a function of (Omega, eps) that gives the monodromy matrix in (r, r').
-    What ``prepare`` does is not timed: it may compile.
+    What ``prepare`` does is not timed: it may compile. ``mixed``: its equations are those of a system of which nothing
+    is known, see `mixed_equations`.
     """
 
     name: str
     package: str
     prepare: Callable[[Equations, float], Solve]
     settings: tuple[float, ...]
+    mixed: bool = False
 
     @property
     def missing(self) -> str:
@@ -72,6 +74,14 @@ def modal_equations(system: PeriodicSystem) -> Equations:
         transformed(system.cosine),
         transformed(system.sine),
     )
+
+
+def mixed_equations(equations: Equations) -> Equations:
+    """Return the same system in coordinates turned at random, in which no entry of a matrix is zero: as it comes from a
+    program that knows nothing of its modes and of their symmetries. To a matrix product this is the same."""
+    n = len(equations.velocity)
+    turn = np.linalg.qr(np.random.default_rng(0).standard_normal((n, n)))[0]
+    return Equations(*(np.ascontiguousarray(turn.T @ matrices @ turn) for matrices in equations))
 
 
 def dop853(equations: Equations, rtol: float) -> Solve:
@@ -267,4 +277,5 @@ PEERS = (
     Peer("CyRK DOP853", "CyRK", cyrk, RTOLS),
     Peer("heyoka, scalar", "heyoka", heyoka_scalar, TOLERANCES),
     Peer("heyoka, batch", "heyoka", heyoka_batch, TOLERANCES),
+    Peer("heyoka, batch, no zeros", "heyoka", heyoka_batch, TOLERANCES, mixed=True),
 )

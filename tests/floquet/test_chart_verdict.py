@@ -6,7 +6,17 @@ import numpy as np
 import pytest
 
 from floquet.multipliers import Kind
-from floquet.verdict import Cells, Dominant, combine, discrepancy, dominant, dominant_symplectic, exponent, judge
+from floquet.verdict import (
+    Cells,
+    Dominant,
+    combine,
+    discrepancy,
+    dominant,
+    dominant_symplectic,
+    excess,
+    exponent,
+    judge,
+)
 
 pytestmark = pytest.mark.kernel
 
@@ -29,6 +39,13 @@ def test_dominant():
     assert found.angle == pytest.approx([np.pi, np.pi / 2])
     # relative distance of the dominant one to its nearest neighbour
     assert found.gap == pytest.approx([abs(-0.9 - 0.1 - 0.2j) / 0.9, abs(0.8j - 0.3) / 0.8])
+
+
+def test_eigenvalues_that_did_not_converge_stop_nothing():
+    mu = np.array([[np.nan, np.nan], [0.5, np.nan]], dtype=complex)
+    for found in (dominant(mu, np.zeros(2), False), dominant_symplectic(mu, np.zeros(2))):
+        assert judge(found, np.full(2, np.inf), False).kind.tolist() == [Kind.UNDECIDED] * 2
+    assert np.isfinite(excess(mu, np.zeros(2), np.ones(2), False)).all()
 
 
 def test_dominant_of_a_reversible_block_looks_at_every_pair():

@@ -271,20 +271,20 @@ FAULTS = (
     # floquet: the chart
     Fault("weakened step rule", "floquet/column.py", "LEAST_STEPS = 16.0", "LEAST_STEPS = 2.0", ORACLE),
     Fault("processor term dropped", "floquet/kernels.py", "h**3 * eps[i] ** 2 / 12.0", "0.0 * eps[i]", DOUBLING, True),
-    Fault("sign of the excitation", "floquet/kernels.py", "- (h * eps[i]) * F", "+ (h * eps[i]) * F", DOUBLING, True),
+    Fault("sign of the excitation", "floquet/kernels.py", "-h * eps[i]", "h * eps[i]", DOUBLING, True),
     Fault(
         "dropped sine in the steps",
         "floquet/kernels.py",
-        "np.sin((j + 1) * theta) * Fs[j]",
-        "0.0 * Fs[j]",
+        "sine * Fs[j, r, c]",
+        "0.0 * Fs[j, r, c]",
         DOUBLING,
         True,
     ),
     Fault(
         "sines at half their size",
         "floquet/kernels.py",
-        "np.sin((j + 1) * theta) * Fs[j]",
-        "0.5 * np.sin((j + 1) * theta) * Fs[j]",
+        "sine * Fs[j, r, c]",
+        "0.5 * sine * Fs[j, r, c]",
         IDENTITIES,
         True,
     ),
@@ -306,8 +306,8 @@ FAULTS = (
     Fault(
         "factors in the wrong order",
         "floquet/doubling.py",
-        "np.dot(P[second[i], a], P[first[i], a], result[i * k + a])",
-        "np.dot(P[first[i], a], P[second[i], a], result[i * k + a])",
+        "np.dot(P[end], P[begin], result[i])",
+        "np.dot(P[begin], P[end], result[i])",
         DOUBLING,
     ),
     Fault(
@@ -348,8 +348,8 @@ FAULTS = (
     Fault(
         "errors relative to the multiplier, not to the matrix",
         "floquet/column.py",
-        "np.abs(eps) * nu, 0.0",
-        "np.abs(eps), 0.0",
+        "np.abs(eps) * nu\n    roundings",
+        "np.abs(eps) * np.ones_like(nu)\n    roundings",
         ORACLE,
     ),
     Fault(
@@ -362,8 +362,8 @@ FAULTS = (
     Fault(
         "an eigenvalue that did not converge is not missed",
         "floquet/column.py",
-        "isfinite(found.mu).all(axis=1)] = np.inf",
-        "isfinite(found.mu).all(axis=1)] = 1.0",
+        "losses[c] = np.inf",
+        "losses[c] = 1.0",
         ORACLE,
     ),
     Fault(

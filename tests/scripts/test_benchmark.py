@@ -12,7 +12,7 @@ import pytest
 import scipy.linalg
 
 from compare.speed import benchmark, stages
-from compare.speed.peers import PEERS, Equations, modal_equations, rk4
+from compare.speed.peers import PEERS, Equations, mixed_equations, modal_equations, rk4
 from floquet import monodromy
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -53,6 +53,16 @@ def test_runge_kutta_has_order_four() -> None:
     exact = scipy.linalg.expm(A * 2 * np.pi / 3.0)
     errors = [np.linalg.norm(rk4(*equations, 3.0, 0.5, steps) - exact) for steps in (64, 128)]
     assert np.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.1)
+
+
+def test_mixed_equations_are_the_same_system_without_zeros() -> None:
+    modal = modal_equations(benchmark.plate(12, 0.0).at(36.0))
+    mixed = mixed_equations(modal)
+    assert (modal.velocity == 0).mean() > 0.5
+    for matrix in (mixed.velocity, mixed.stiffness, mixed.cosine[0]):
+        assert (matrix != 0).all()
+    one, other = (np.trace(rk4(*equations, 36.0, 0.9, 2048)) for equations in (modal, mixed))
+    assert other == pytest.approx(one, abs=1e-9)
 
 
 def test_comparison_verifies_errors_and_skips_what_is_missing() -> None:
