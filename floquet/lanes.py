@@ -65,6 +65,11 @@ def pick_le(a: FloatArray, b: FloatArray, yes: FloatArray, no: FloatArray) -> Fl
     return np.where(a <= b, yes, no)
 
 
+def highest(a: FloatArray) -> float:
+    """Return the largest of the lanes, none of them NaN."""
+    return float(a.max())
+
+
 # ---- the same for the compiler ----
 
 
@@ -97,6 +102,7 @@ def _typed(function: Any, result: types.Type) -> None:
 for _named in (load, spread, fma, root, magnitude, pick_le):
     _typed(_named, LANES)
 _typed(store, types.none)
+_typed(highest, types.float64)
 
 
 @infer_global(operator.add)
@@ -168,6 +174,14 @@ def _call(function: Any, name: str, count: int) -> None:
 _call(fma, "fmuladd", 3)
 _call(root, "sqrt", 1)
 _call(magnitude, "fabs", 1)
+
+
+@lower_builtin(highest, LanesType)
+def _highest(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    kind = ir.FunctionType(ir.DoubleType(), [VECTOR])
+    return builder.call(
+        cgutils.get_or_insert_function(builder.module, kind, f"llvm.vector.reduce.fmax.v{WIDTH}f64"), args
+    )
 
 
 @lower_builtin(pick_le, LanesType, LanesType, LanesType, LanesType)

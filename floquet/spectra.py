@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from floquet.lanes import WIDTH, fma, load, magnitude, pick_le, root, spread, store
+from floquet.lanes import WIDTH, fma, highest, load, magnitude, pick_le, root, spread, store
 from floquet.reflections import TINY, lane_array, lane_vectors, pass_general, reflect_column
 from periodic.checks import FloatArray
 
@@ -21,6 +21,8 @@ EXCEPTIONAL = 10  # sweeps without success, after which an odd shift is tried
 
 # rows of the lane array that holds the state of the QR iteration
 LO, HI, X, Y, Z = range(5)
+ENTRIES = 5  # and after it those of the matrix that a sweep begins with
+STATE = ENTRIES + 8
 
 
 @njit(cache=True, nogil=True)
@@ -49,9 +51,10 @@ def hessenberg_eigenvalues(H: FloatArray, real: FloatArray, imag: FloatArray, wo
     """Write the eigenvalues of the upper Hessenberg `lane_array` H into ``real`` and ``imag`` (n, 16).
 
     Francis double-shift QR; H is destroyed. Each lane has its own window lo..hi, the lowest block that has not split
-    off; a lane is finished at hi = -1. Eigenvalues that have not converged are NaN. ``work`` has shape (1, 5, 16).
+    off; a lane is finished at hi = -1. Eigenvalues that have not converged are NaN. ``work`` has shape (1, STATE, 16).
     """
     n = real.shape[0]
+    work[:] = 1.0
     lo, hi = work[0, LO], work[0, HI]
     hi[:] = n - 1
     real[:], imag[:] = np.nan, np.nan
@@ -60,13 +63,10 @@ def hessenberg_eigenvalues(H: FloatArray, real: FloatArray, imag: FloatArray, wo
         _find_windows(H, work)
         while _split_off(H, real, imag, lo, hi, idle):
             _find_windows(H, work)
-        start, stop = int(lo.min()), int(hi.max())
+        start, stop = int(-highest(-load(work, 0, LO))), int(highest(load(work, 0, HI)))
         if stop < 0:
             return
-        for lane in range(WIDTH):
-            if hi[lane] >= 0:
-                idle[lane] += 1
-                _first_column(H, work, lane, int(lo[lane]), int(hi[lane]), idle[lane] % EXCEPTIONAL == 0)
+        _first_columns(H, work, idle)
         _sweep(H, work, start, stop)
 
 
@@ -76,7 +76,7 @@ def _find_windows(H: FloatArray, work: FloatArray) -> None:
     hi = load(work, 0, HI)
     lo = spread(0.0)
     last = magnitude(load(H, 0, 0))
-    for i in range(1, int(work[0, HI].max()) + 1):
+    for i in range(1, int(highest(hi)) + 1):
         index, diagonal = spread(float(i)), magnitude(load(H, i, i))
         negligible = spread(UNIT) * (last + diagonal + spread(UNIT))
         split = pick_le(magnitude(load(H, i, i - 1)), negligible, index, lo)
@@ -114,18 +114,32 @@ def _split_off(
 
 
 @njit(cache=True, nogil=True)
-def _first_column(H: FloatArray, work: FloatArray, lane: int, lo: int, hi: int, exceptional: bool) -> None:
-    """Write the first column of (H - a)(H - b), up to a factor, where a and b are the shifts."""
-    x, y, ww = H[hi, hi, lane], H[hi - 1, hi - 1, lane], H[hi, hi - 1, lane] * H[hi - 1, hi, lane]
-    if exceptional:
-        size = abs(H[hi, hi - 1, lane]) + abs(H[hi - 1, hi - 2, lane])
-        x = y = H[hi, hi, lane] + 0.75 * size
-        ww = -0.4375 * size * size
-    p = H[lo, lo, lane]
-    r, s = x - p, y - p
-    work[0, X, lane] = (r * s - ww) / H[lo + 1, lo, lane] + H[lo, lo + 1, lane]
-    work[0, Y, lane] = H[lo + 1, lo + 1, lane] - p - r - s
-    work[0, Z, lane] = H[lo + 2, lo + 1, lane]
+def _first_columns(H: FloatArray, work: FloatArray, idle: NDArray[np.int64]) -> None:
+    """Write the first column of (H - a)(H - b), up to a factor, of every lane, where a and b are its shifts."""
+    entries = work[0, ENTRIES:]
+    for lane in range(WIDTH):
+        lo, hi = int(work[0, LO, lane]), int(work[0, HI, lane])
+        if hi < 0:
+            continue
+        idle[lane] += 1
+        entries[0, lane] = H[hi, hi, lane]
+        entries[1, lane] = H[hi - 1, hi - 1, lane]
+        entries[2, lane] = H[hi, hi - 1, lane] * H[hi - 1, hi, lane]
+        if idle[lane] % EXCEPTIONAL == 0:
+            size = abs(H[hi, hi - 1, lane]) + abs(H[hi - 1, hi - 2, lane])
+            entries[0, lane] = entries[1, lane] = H[hi, hi, lane] + 0.75 * size
+            entries[2, lane] = -0.4375 * size * size
+        entries[3, lane] = H[lo, lo, lane]
+        entries[4, lane] = H[lo + 1, lo, lane]
+        entries[5, lane] = H[lo, lo + 1, lane]
+        entries[6, lane] = H[lo + 1, lo + 1, lane]
+        entries[7, lane] = H[lo + 2, lo + 1, lane]
+    p = load(work, 0, ENTRIES + 3)
+    r, s = load(work, 0, ENTRIES) - p, load(work, 0, ENTRIES + 1) - p
+    top = (r * s - load(work, 0, ENTRIES + 2)) / load(work, 0, ENTRIES + 4)
+    store(work, 0, X, top + load(work, 0, ENTRIES + 5))
+    store(work, 0, Y, load(work, 0, ENTRIES + 6) - p - r - s)
+    store(work, 0, Z, load(work, 0, ENTRIES + 7))
 
 
 @njit(cache=True, nogil=True)
@@ -200,7 +214,7 @@ def interpolate(samples: FloatArray, weights: FloatArray, result: FloatArray) ->
 def eigenvalues(samples: FloatArray, weights: FloatArray) -> NDArray[np.complex128]:
     """Return the eigenvalues (16 g, n) of 16 g combinations of ``samples`` (m, n, n), given lane weights (g, m, 16)."""
     groups, n = weights.shape[0], samples.shape[1]
-    A, x, state = lane_array(n), lane_vectors(6, n), np.empty((1, 5, WIDTH))
+    A, x, state = lane_array(n), lane_vectors(6, n), np.empty((1, STATE, WIDTH))
     real, imag = np.empty((n, WIDTH)), np.empty((n, WIDTH))
     result = np.empty((groups * WIDTH, n), np.complex128)
     for g in range(groups):

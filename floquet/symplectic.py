@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from floquet.lanes import WIDTH, fma, load, pick_le, root, spread, store
 from floquet.reflections import lane_array, lane_vectors, pass_general, pass_skew, reflect_column
-from floquet.spectra import hessenberg_eigenvalues, interpolate
+from floquet.spectra import STATE, hessenberg_eigenvalues, interpolate
 from periodic.checks import FloatArray
 
 
@@ -24,7 +24,7 @@ def symplectic_eigenvalues(samples: FloatArray, weights: FloatArray) -> NDArray[
     m, 16)."""
     groups, n = weights.shape[0], samples.shape[1] // 2
     Phi, A, G, Q = lane_array(2 * n), lane_array(n), lane_array(n), lane_array(n)
-    x, state = lane_vectors(VECTORS, n), np.empty((1, 5, WIDTH))
+    x, state = lane_vectors(VECTORS, n), np.empty((1, STATE, WIDTH))
     real, imag = np.empty((n, WIDTH)), np.empty((n, WIDTH))
     result = np.empty((groups * WIDTH, n), np.complex128)
     for g in range(groups):

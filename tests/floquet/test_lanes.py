@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numba import njit
 
-from floquet.lanes import WIDTH, fma, load, magnitude, pick_le, root, spread, store
+from floquet.lanes import WIDTH, fma, highest, load, magnitude, pick_le, root, spread, store
 
 pytestmark = pytest.mark.kernel
 
@@ -45,6 +45,17 @@ def test_not_a_number_is_never_less():
     with np.errstate(divide="ignore", invalid="ignore"):
         compiled(a, out)
     assert out[2, 1].tolist() == [0.0, 7.0, *[0.0] * (WIDTH - 2)]
+
+
+def test_highest():
+    @njit
+    def largest(a):
+        return highest(load(a, 0, 0))
+
+    for lane in range(WIDTH):
+        a = np.arange(-2.0 * WIDTH, -WIDTH).reshape(1, 1, WIDTH)
+        a[0, 0, lane] = -0.5
+        assert largest(a) == -0.5
 
 
 def test_loaded_lanes_are_a_copy():

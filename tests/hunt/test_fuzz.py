@@ -7,6 +7,7 @@ Inputs are made and tried in child processes (`fuzz.py`), which may die without 
 from __future__ import annotations
 
 import json
+import shutil
 import subprocess
 import sys
 from collections import Counter
@@ -96,5 +97,6 @@ def test_the_hunt_finds_what_it_hunts(tmp_path: Path, monkeypatch: pytest.Monkey
     spoiled = f"SECONDS = 3\ndef load_system(path):\n    {code}\nload_case = load_system\n\n{before}"
     script = tmp_path / "fuzz.py"
     script.write_text(source.replace(before, spoiled), encoding="utf-8")
+    shutil.copy(FUZZ.with_name("damage.py"), tmp_path)
     monkeypatch.setattr(sys.modules[__name__], "FUZZ", script)
     assert wanted in faults(tried(range(1, 2), tmp_path))
