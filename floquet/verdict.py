@@ -50,13 +50,13 @@ def _square(z: complex) -> float:
     return z.real * z.real + z.imag * z.imag
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True)
 def dominant(mu: ComplexArray, exponents: FloatArray, reversible: bool) -> Dominant:
     """Return the dominant ones of the multipliers 2^exponents[c] mu[c, i], mu of shape (k, N)."""
     k, N = mu.shape
     log_modulus, angle, gap = np.empty(k), np.empty(k), np.empty(k)
     for c in range(k):
-        top, largest, nearest = 0, 0.0, np.inf
+        top, largest, nearest = 0, TINY, np.inf
         for i in range(N):
             square = _square(mu[c, i])
             if square > largest:
