@@ -24,11 +24,11 @@ COLUMNS = 128
 # Narrow regions are followed up to this many such distances.
 WIDE = 2.0
 # Regions that are nowhere wider than this part of the tolerance are left out.
-NARROWEST = 0.02
+NARROWEST = 0.001
 # A region that is no longer narrow at this part of the height of the window is left to the columns.
 SOON = 0.05
-# Amplitudes at which a resonance is compared with the wide regions.
-PROBES = 8
+# Amplitudes at which a resonance is compared with the wide regions, as parts of the height.
+PROBES = np.array([1 / 64, 1 / 32, 1 / 16, *(np.arange(1, 9) / 8)])
 # No more resonances than these are followed: at low Omega and large eps there is no end of them.
 MOST = 200
 # A column at a resonance is placed no nearer to the others than this part of the window.
@@ -163,7 +163,8 @@ def trace_regions(
     feet = [one.name.centre for one in expected if one.width > width / COLUMNS and one.name.j <= 2]
     feet = [foot for foot in feet if low < foot < high]
     with tqdm(total=4, unit="stage", disable=None if progress is None else not progress) as bar:
-        scan.add([*base, *(foot for foot in feet if np.abs(base - foot).min() > APART * width)])
+        beside = [w for w in (low - spare, high + spare) if w > 0]  # where modes go on, for what starts outside
+        scan.add([*base, *beside, *(foot for foot in feet if np.abs(base - foot).min() > APART * width)])
         bar.update()
         scan.refine((width, top - bottom), bottom, tolerance)
         bar.update()
@@ -176,9 +177,9 @@ def trace_regions(
         narrow = trace_tongues(
             family,
             _narrow(expected, wide, (low, high), (bottom, top), tolerance),
+            scan,
             (bottom, top),
             WIDE * width / COLUMNS,
-            scan.steps,
             n_jobs,
         )
         regions = _joined(family, wide, narrow, (low, high), NARROWEST * tolerance * width)
@@ -204,7 +205,7 @@ def _narrow(
         return []
     centres = np.array([one.name.centre for one in tall])[:, None]
     ends = np.array([reach(one, top, widest) for one in tall])[:, None]
-    levels = bottom + (ends - bottom) * np.linspace(0, 1, PROBES + 1)[1:]
+    levels = bottom + (ends - bottom) * PROBES
     known = np.zeros(levels.shape, dtype=bool)
     for region in wide:
         known |= region.contains(centres, levels)
@@ -228,7 +229,9 @@ def _joined(
             names = old.resonances if tongue.name in old.resonances else (*old.resonances, tongue.name)
             tip = min(old.tip, tip, key=lambda place: place[1])
             regions[parent] = replace(old, outlines=(*old.outlines, loop), resonances=names, tip=tip)
-        elif (tongue.upper - tongue.lower).max() >= narrowest and is_unstable(family, *tongue.witness, tongue.modes):
+        elif (tongue.upper - tongue.lower).max() >= narrowest and (
+            tongue.sure or is_unstable(family, *tongue.witness, tongue.modes)
+        ):
             regions.append(Region((loop,), (tongue.name,), tip, tongue.witness))
     return regions
 

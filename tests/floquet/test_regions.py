@@ -154,7 +154,7 @@ def test_combination_resonances_are_named(kind: str, label: str, centre: float) 
 def test_a_difference_of_modes_is_told_from_a_sum_of_high_order_nearby() -> None:
     # (ω₁+ω₂)/4 = 0.675 and 2ω₂/5 = 0.68 are of the same order of magnitude, and inside the region of ω₂−ω₁ = 0.7
     regions = trace_regions(coupled_mathieu("difference"), (0.3, 4.0), (0.0, 1.0), progress=False)
-    assert "ω₂−ω₁" in regions[0].label.split(", ")
+    assert any("ω₂−ω₁" in region.label.split(", ") for region in regions)
     for region in regions:
         for loop in region.outlines:
             assert loop.eps.min() >= 0

@@ -1,4 +1,4 @@
-"""Narrow regions between three columns: edges, tips, and nothing where there is nothing."""
+"""Narrow regions between the columns of a scan: edges, tips, and nothing where there is nothing."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from scipy.optimize import brentq
 from scipy.special import mathieu_a, mathieu_b
 
 from floquet import Kind, monodromy, trace_boundary
-from floquet.column import steps_needed
 from floquet.coupling import candidates
 from floquet.names import resonances
+from floquet.scanning import Scan
 from floquet.tongues import Tongue, trace_tongues
 from periodic import SystemFamily
 from periodic.examples import coupled_mathieu, mathieu
@@ -18,11 +18,14 @@ from plate import MovingPlate
 
 
 def tongues_of(family: SystemFamily, Omega: tuple[float, float], eps: tuple[float, float]) -> dict[str, Tongue]:
+    """The lowest stretch of each region, from columns a 32nd of a window apart that is wider than the range."""
     member = family.at(sum(Omega) / 2)
-    steps = steps_needed([member] * 2, np.array(Omega), np.linspace(0, eps[1], 64))
-    names = resonances(member, *Omega)
-    found = trace_tongues(family, candidates(member, names, eps[1]), eps, 0.5, steps, 1)
-    return {tongue.name.label: tongue for tongue in found}
+    low, high = 0.5 * Omega[0], 1.5 * Omega[1]
+    below = np.linspace(0.0, eps[0], 32, endpoint=False)[: 32 * (eps[0] > 0)]
+    scan = Scan(family, (low, high), np.concatenate([below, np.linspace(*eps, 80)]), 1)
+    scan.add(np.linspace(low, high, 33))
+    found = trace_tongues(family, candidates(member, resonances(member, *Omega), eps[1]), scan, eps, 0.5, 1)
+    return {tongue.name.label: tongue for tongue in found[::-1]}
 
 
 @pytest.mark.parametrize("order", [2, 3, 4, 5])
