@@ -19,9 +19,9 @@ def middles(Omega, f, apart, exact, height, most, centre, slope, close):  # type
     width, as part of f there; f there as the nearest node has it; the most that f can be there, since that node is
     stable; the node, if it is inside the region, else -1; and whether it is near enough to count.
 
-    The middle is where x is zero, by a cubic through the nodes on both sides. x is Omega sqrt(height - f), with the sign
-    of ``apart``, or Omega apart / 2 where this is ``exact``: a straight line in Omega if the two modes have constant
-    frequencies.
+    The middle is where x is zero, by a cubic through the nodes on both sides. x is Omega sqrt(height - f), with the
+    sign of ``apart``, or Omega apart / 2 where this is ``exact``: a straight line in Omega if the two modes have
+    constant frequencies.
 
     Parameters
     ----------

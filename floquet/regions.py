@@ -171,7 +171,7 @@ def trace_regions(
         Omega, columns = scan.ordered()
         namer = Namer(family, Omega, columns, names, tolerance * width)
         shown = [_above(column, bottom) for column in columns]
-        found = (_region(family, Omega, shown, places, namer, tolerance * width) for places in components(shown))
+        found = (_region(scan, Omega, shown, places, namer, tolerance * width) for places in components(shown))
         wide = [region for region in found if region is not None]
         bar.update()
         narrow = trace_tongues(
@@ -242,7 +242,7 @@ def _above(column: Column, bottom: float) -> Column:
 
 
 def _region(
-    family: SystemFamily,
+    scan: Scan,
     Omega: FloatArray,
     columns: Sequence[Column],
     places: set[Place],
@@ -257,7 +257,7 @@ def _region(
         return None
     c, i = max(places, key=lambda place: columns[place[0]][place[1]].high - columns[place[0]][place[1]].low)
     witness = (float(Omega[c]), (columns[c][i].low + columns[c][i].high) / 2)
-    if not is_unstable(family, *witness):
+    if not is_unstable(scan.family, *witness, scan.most_unstable(*witness)):
         return None
     lowest = int(outlines[0].eps.argmin())
     tip = (float(outlines[0].Omega[lowest]), float(outlines[0].eps[lowest]))

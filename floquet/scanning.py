@@ -75,6 +75,12 @@ class Scan:
         Omega = sorted(self.columns)
         return np.array(Omega), [self.columns[w] for w in Omega]
 
+    def most_unstable(self, Omega: float, eps: float) -> int:
+        """Return the number of modes of the block that is most unstable at ``eps`` in the column at ``Omega``."""
+        level = int(np.abs(self.eps - eps).argmin())
+        growth = [(found.modulus + found.split)[level].max() for _, found in self.modes[Omega]]
+        return len(self.modes[Omega][int(np.argmax(growth))].block.K)
+
     def refine(self, units: tuple[float, float], bottom: float, tolerance: float) -> None:
         """Halve the slabs between columns until straight lines describe the edges.
 

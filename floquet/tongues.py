@@ -33,8 +33,6 @@ ACCURACY, FINEST, COARSEST = 1e-2, 1e-10, 1e-7
 A_TASK = 4
 # Columns placed in a region, at most; each shows where to place the next.
 TRIALS = 4
-# Columns placed at a tip above eps = 0, at most.
-TIPS = 2
 # Levels in a row at which nothing may be known within a stretch: where one of the modes meets a third one in passing.
 GAP = 8
 # A column that is unstable by more than this many times what is expected is so by something else.
@@ -44,7 +42,7 @@ CLOSE = 1e-3
 # What is this many times the error is sure.
 SURE = 30.0
 # Times that heights and places are found from one another.
-PASSES = 3
+PASSES = 2
 TINY = 1e-30
 
 
@@ -145,12 +143,6 @@ class _Follower:
                 break
             nodes = self._with(nodes, place)
             fit = self.fit(nodes, levels)
-        for _ in range(TIPS):
-            place = self._unmeasured_tip(fit, nodes, first)
-            if place is None:
-                break
-            nodes = self._with(nodes, place)
-            fit = self.fit(nodes, levels)
         found = [self._outline(fit, nodes, max(start, first), last) for start, last in _stretches(fit.centre)]
         return [tongue for tongue in found if tongue is not None]
 
@@ -194,18 +186,6 @@ class _Follower:
         if not (np.isfinite(nodes.f[column, some]).all() and (np.diff(nodes.apart[column, some]) != 0).all()):
             some = start + level + np.array([0, 1])
         return float(nodes.Omega[column]), _root(self.eps[some], nodes.apart[column, some]), False
-
-    def _unmeasured_tip(self, fit: _Fit, nodes: Nodes, first: int) -> float | None:
-        """Return where to place a column to measure a tip, which damping lifts; None if there is nowhere."""
-        if not self.damped:
-            return None
-        for start, last in _stretches(fit.centre):
-            closed = np.flatnonzero(fit.height[start : last + 1] < 0) + start
-            if len(closed) and first <= closed[-1] < last and not fit.measured[closed[-1]]:
-                place = float(fit.centre[closed[-1]])
-                if np.isfinite(place) and place not in nodes.Omega:
-                    return place
-        return None
 
     def _with(self, nodes: Nodes, Omega: float) -> Nodes:
         """Return the nodes with a new column."""
