@@ -24,6 +24,8 @@ AWAY = 0.1
 BESIDE = 2
 # Dampings are about equal if the balance of `Candidate` is greater.
 BALANCED = 0.95
+# Two damped modes are unstable together if their mean decay changes by less than this part of their difference.
+ALONE = 0.5
 
 
 class Wide(NamedTuple):
@@ -123,15 +125,22 @@ def _beside(found: Exponents, candidate: Candidate, Omega: FloatArray) -> slice:
 def _measures(found: Exponents, candidate: Candidate) -> tuple[FloatArray, FloatArray]:
     """Return ``f`` and ``apart`` of `Nodes`, (..., k).
 
-    Two modes that are unstable together have the same angle, but for unequal damping: for a detuning x, and differences
-    of decay d_0 without and d with coupling, their angles differ by d_0 x / d.
+    What one of two damped modes gains from the other, the other loses: where their mean decay changes by as much as the
+    difference, one of them is unstable with a third. Two that are unstable together have the same angle, but for
+    unequal damping: for a detuning x, and differences of decay d_0 without and d with coupling, their angles differ by
+    d_0 x / d.
     """
     p, q, name, block = candidate.p, candidate.q, candidate.name, candidate.home.block
-    f = test_function(found, p, q, name.j, name.sign, block.symplectic or block.reversible)
+    conservative = block.symplectic or block.reversible
+    f = test_function(found, p, q, name.j, name.sign, conservative)
     apart = distance(found, p, q, name.j, name.sign)
-    if candidate.balance < BALANCED:
+    if not conservative and p != q:
+        total = found.modulus[..., p] + found.modulus[..., q]
         difference = found.modulus[..., p] - found.modulus[..., q]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            apart = apart * candidate.balance * difference / difference[..., :1]
-        f = np.where(np.isfinite(apart), f, np.nan)
+        gain, shift = np.abs(difference - difference[..., :1]), np.abs(total - total[..., :1])
+        f = np.where((f > 0) & (shift > ALONE * gain), np.nan, f)
+        if candidate.balance < BALANCED:
+            with np.errstate(divide="ignore", invalid="ignore"):
+                apart = apart * candidate.balance * difference / difference[..., :1]
+            f = np.where(np.isfinite(apart), f, np.nan)
     return f, apart
