@@ -72,9 +72,9 @@ def _strips(levels: FloatArray, home: NDArray[np.int_], wide: Sequence[Contains]
                 sides = np.array([eps[at], np.minimum(edge[at], entry), np.maximum(edge[at], entry)])[:, run[out[run]]]
                 if not sides.shape[1]:
                     continue
-                for outer, end in ((at[run[0]] - 1, 0), (at[run[-1]] + 1, sides.shape[1])):
-                    if out[run[0 if end == 0 else -1]] and 0 <= outer < len(eps) and home[outer] < 0:
-                        corner = _cut(levels, outer + (1 if end == 0 else -1), outer, wide[number])
+                for free, end in ((at[run[0]] - 1, 0), (at[run[-1]] + 1, sides.shape[1])):
+                    if out[run[0 if end == 0 else -1]] and 0 <= free < len(eps) and home[free] < 0:
+                        corner = _cut(levels, free, free + (1 if end == 0 else -1), wide[number])
                         middle = (corner[1] + corner[2]) / 2
                         ends = (corner[1], middle) if edge is lower else (middle, corner[2])
                         sides = np.insert(sides, end if end == 0 else sides.shape[1], [corner[0], *ends], axis=1)

@@ -13,7 +13,7 @@ from floquet.branches import branches
 from floquet.coupling import Candidate, candidates
 from floquet.monodromy import is_unstable, member_at
 from floquet.names import Name, Namer, resonances
-from floquet.outline import Column, Loop, Place, components, crossings, loops
+from floquet.outline import Column, Loop, Place, area, components, crossings, loops
 from floquet.scanning import AMPLITUDES, Scan
 from floquet.tongues import Tongue, reach, trace_tongues
 from periodic import SystemFamily
@@ -46,10 +46,11 @@ class Region:
     Attributes
     ----------
     outlines : tuple of Loop
-        Closed polylines with arrays ``Omega``, ``eps`` and ``kind`` (k,): the outer one first, then those round stable
-        islands, then those of its narrow branches, in which the region goes on to its resonances. The first corner is
-        not repeated at the end. ``kind`` is the `Kind` of the instability just inside. Where the region goes on beyond
-        the window, the polyline follows the edge of the window.
+        Closed polylines with arrays ``Omega``, ``eps`` and ``kind`` (k,): the outer one first, counterclockwise, then
+        those round stable islands, clockwise, then those of its narrow branches, in which the region goes on to its
+        resonances, counterclockwise; these may overlap. The first corner is not repeated at the end. ``kind`` is the
+        `Kind` of the instability just inside. Where the region goes on beyond the window, the polyline follows the edge
+        of the window.
     resonances : tuple of Name
         The resonances that the region starts from, several if regions have merged; empty if none explains it.
     tip : (float, float)
@@ -91,11 +92,13 @@ class Region:
             If the arguments are not real or not finite.
         """
         x, y = np.broadcast_arrays(real_array("Omega", Omega, None), real_array("eps", eps, None))
-        inside = np.zeros((2, *x.shape), dtype=bool)
+        inside = np.zeros((2, *x.shape), dtype=int)
         for loop in self.outlines:
             box = (x >= loop.Omega.min()) & (x <= loop.Omega.max()) & (y >= loop.eps.min()) & (y <= loop.eps.max())
-            inside[:, box] ^= _inside(loop, x[box], y[box])
-        return np.asarray(inside.any(axis=0))
+            if box.any():
+                # islands run clockwise; branches may overlap
+                inside[:, box] += np.where(area(loop.Omega, loop.eps) < 0, -1, 1) * _inside(loop, x[box], y[box])
+        return np.asarray((inside > 0).any(axis=0))
 
 
 def trace_regions(

@@ -61,3 +61,14 @@ def test_damping_closes_narrow_resonances() -> None:
     assert open_ == {1}
     assert candidates(mathieu(damping=0.5), resonances(mathieu(), 0.2, 3.0), 0.1) == []
     assert candidates(mathieu(), [], 0.1) == []
+
+
+def test_unequal_damping_makes_a_combination_resonance_wider() -> None:
+    damping = (0.002, 0.018)
+    system = coupled_mathieu("sum", damping=damping)
+    (one,) = candidates(system, resonances(system, 2.6, 2.8)[:1], 0.1)
+    # Bolotin 1964: as both go to zero at a fixed ratio, the width stays this many times the undamped one
+    factor = sum(damping) / (2 * np.sqrt(np.prod(damping)))
+    assert one.balance == pytest.approx(1 / factor, rel=1e-3)
+    assert one.width == pytest.approx(factor * 0.1 / np.sqrt(1.7), rel=0.01)  # the next order is eps^2
+    assert candidates(coupled_mathieu("sum"), resonances(coupled_mathieu("sum"), 2.6, 2.8)[:1], 0.1)[0].balance == 1
