@@ -18,7 +18,7 @@ from scipy.special import mathieu_a, mathieu_b
 from floquet import Kind, Region, StabilityChart, monodromy, stability_chart, trace_regions
 from floquet.monodromy import is_unstable
 from floquet.outline import Interval, area, components, loops
-from floquet.scanning import _with_neighbours
+from floquet.scanning import Scan, _with_neighbours
 from periodic import PeriodicSystem
 from periodic.examples import coupled_mathieu, mathieu
 from plate import EdgeLoad, MovingPlate
@@ -281,6 +281,15 @@ def test_weak_instability_beside_a_sure_one_belongs_to_it() -> None:
     sure = np.array([0, 0, 0, 1, 1, 0, 0, 0, 0], dtype=bool)
     likely = np.array([0, 1, 1, 0, 1, 0, 1, 1, 0], dtype=bool)
     np.testing.assert_array_equal(_with_neighbours(sure, likely), [0, 1, 1, 1, 1, 0, 0, 0, 0])
+
+
+def test_a_column_at_a_resonance_is_unstable_from_the_bottom() -> None:
+    # the first amplitudes are too small for a verdict
+    scan = Scan(mathieu(), (1.0, 3.0), np.linspace(0, 1e-3, 80), 1)
+    scan.add([2.0])
+    (interval,) = scan.columns[2.0]
+    assert interval.low == pytest.approx(0, abs=1e-9)
+    assert interval.low_kind == Kind.MINUS_ONE
 
 
 def test_a_region_reaches_down_to_its_resonance() -> None:

@@ -119,12 +119,22 @@ def test_a_region_goes_on_where_another_one_was_in_its_way() -> None:
         assert monodromy(plate, *stretch.witness).kind > Kind.STABLE
 
 
-def test_a_region_between_two_levels_of_a_column_is_met() -> None:
-    # the seventh tongue is 1e-7 wide at eps = 0.4 and moves by 0.01 on the way: no level of any column lies inside
-    tongue = tongues_of(mathieu(), (0.28, 0.29), (0.0, 0.4))["2ω₁/7"]
-    assert tongue.lower[-1] < tongue.upper[-1]
+def test_a_region_that_passes_a_column_between_two_levels_needs_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    # the fifth tongue moves from 0.4 to 0.397 and is narrower there than it moves from level to level
+    scan = Scan(mathieu(), (0.3, 0.5), np.linspace(0, 0.4, 80), 1)
+    scan.add([*np.linspace(0.3, 0.5, 17), 0.3985])
+    some = [one for one in candidates(mathieu(), resonances(mathieu(), 0.39, 0.41), 0.4) if one.name.j == 5]
+
+    def none(*_: object) -> None:
+        raise AssertionError("a column was computed")
+
+    monkeypatch.setattr("floquet.tongues.multipliers", none)
+    (tongue,) = trace_tongues(mathieu(), some, scan, (0.0, 0.4), 0.02, 1)
+    assert tongue.witness[0] == 0.3985
+    assert monodromy(mathieu(), *tongue.witness).kind > Kind.STABLE
     edges = sorted(
-        brentq(lambda Omega, side=side: 4 / Omega**2 - side(7, 0.8 / Omega**2), 0.27, 0.29, xtol=1e-16)
+        brentq(lambda Omega, side=side: 4 / Omega**2 - side(5, 0.8 / Omega**2), 0.38, 0.4, xtol=1e-16)
         for side in (mathieu_a, mathieu_b)
     )
+    # a cubic through columns 0.0125 apart
     assert (tongue.lower[-1] + tongue.upper[-1]) / 2 == pytest.approx(sum(edges) / 2, abs=1e-5)
