@@ -56,7 +56,8 @@ class Region:
     tip : (float, float)
         Omega and eps of its lowest point.
     witness : (float, float)
-        Omega and eps of a point inside, at which integration by the method of `monodromy` found instability.
+        Omega and eps of a point inside that is unstable: by the method of `monodromy`, or, in a narrow region, by the
+        multipliers of a column that are off the unit circle by far more than their error.
     """
 
     outlines: tuple[Loop, ...]
@@ -120,7 +121,7 @@ def trace_regions(
         The window, 0 < Omega and 0 <= eps.
     tolerance : float
         Largest distance between a polyline and the true edge, as part of the window's width and height. Regions that
-        are nowhere wider in Omega than a fiftieth of this part of the window are left out.
+        are nowhere wider in Omega than a thousandth of this part of the window are left out.
     n_jobs : int or None
         Workers, as in `stability_chart`.
     progress : bool or None
@@ -141,7 +142,8 @@ def trace_regions(
     Wide regions are what 128 columns of the window meet, and as many more as their edges need. Narrower ones, which
     pass between the columns, are looked for at the resonances j Omega = omega_p ± omega_q, j <= 8, and followed from
     there (`floquet.tongues`). A narrow region may be missed if it starts at none of these, or where it is crowded by
-    others. Every region has a witness, integrated by the method of `monodromy`.
+    others; so may a stable gap between two regions that is narrower than the distance between the columns. Every region
+    has a witness.
     """
     low, high = interval("Omega_range", Omega_range)
     real_number("Omega_range[0]", low, positive=True)
