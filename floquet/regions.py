@@ -234,11 +234,26 @@ def _joined(
             names = old.resonances if tongue.name in old.resonances else (*old.resonances, tongue.name)
             tip = min(old.tip, tip, key=lambda place: place[1])
             regions[parent] = replace(old, outlines=(*old.outlines, loop), resonances=names, tip=tip)
-        elif (tongue.upper - tongue.lower).max() >= narrowest and (
-            tongue.sure or is_unstable(family, *tongue.witness, tongue.modes)
-        ):
-            regions.append(Region((loop,), (tongue.name,), tip, tongue.witness))
+        elif (tongue.upper - tongue.lower).max() >= narrowest:
+            witness, sure = _witness(tongue, loop, window)
+            if sure or is_unstable(family, *witness, tongue.modes):
+                regions.append(Region((loop,), (tongue.name,), tip, witness))
     return regions
+
+
+def _witness(tongue: Tongue, loop: Loop, window: tuple[float, float]) -> tuple[tuple[float, float], bool]:
+    """Return a point inside a stretch of a narrow region, and whether it is known to be unstable.
+
+    The tongue has one, unless it lies in another stretch, or outside the window; then it is the middle of the widest
+    level.
+    """
+    Omega, eps = tongue.witness
+    if loop.eps.min() <= eps <= loop.eps.max() and window[0] <= Omega <= window[1]:
+        return tongue.witness, tongue.sure
+    levels = len(loop.eps) // 2
+    right, left = loop.Omega[:levels], loop.Omega[: -levels - 1 : -1]
+    widest = int((right - left).argmax())
+    return (float(right[widest] + left[widest]) / 2, float(loop.eps[widest])), False
 
 
 def _above(column: Column, bottom: float) -> Column:

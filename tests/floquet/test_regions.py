@@ -17,8 +17,11 @@ from scipy.special import mathieu_a, mathieu_b
 
 from floquet import Kind, Region, StabilityChart, monodromy, stability_chart, trace_regions
 from floquet.monodromy import is_unstable
-from floquet.outline import Interval, area, components, loops
+from floquet.names import resonances
+from floquet.outline import Interval, Loop, area, components, loops
+from floquet.regions import _witness
 from floquet.scanning import Scan, _with_neighbours
+from floquet.tongues import Tongue
 from periodic import PeriodicSystem
 from periodic.examples import coupled_mathieu, mathieu
 from plate import EdgeLoad, MovingPlate
@@ -290,6 +293,21 @@ def test_a_column_at_a_resonance_is_unstable_from_the_bottom() -> None:
     (interval,) = scan.columns[2.0]
     assert interval.low == pytest.approx(0, abs=1e-9)
     assert interval.low_kind == Kind.MINUS_ONE
+
+
+def test_a_witness_lies_in_its_stretch_and_in_the_window() -> None:
+    name = resonances(mathieu(), 1.9, 2.1)[0]
+    eps = np.linspace(0, 0.4, 81)
+    half = eps / 2.2
+    corners, kind = np.concatenate([2 + half, (2 - half)[::-1]]), np.zeros(162, dtype=np.int8)
+    loop = Loop(np.clip(corners, 1.0, 2.05), np.concatenate([eps, eps[::-1]]), kind)
+    inside = Tongue(name, eps, 2 - half, 2 + half, (2.01, 0.2), True, 1)
+    assert _witness(inside, loop, (1.0, 2.05)) == ((2.01, 0.2), True)
+    for place in ((2.01, 0.5), (2.06, 0.2)):
+        witness, sure = _witness(inside._replace(witness=place), loop, (1.0, 2.05))
+        assert not sure
+        assert Region((loop,), (name,), (2.0, 0.0), witness).contains(*witness)
+        assert is_unstable(mathieu(), *witness)
 
 
 def test_a_region_reaches_down_to_its_resonance() -> None:
