@@ -49,7 +49,13 @@ class Home(NamedTuple):
 
 
 class Candidate(NamedTuple):
-    """A resonance of modes p and q (numbers from 0) of a home, with an estimate of its width in Omega at ``eps``."""
+    """A resonance of modes p and q (numbers from 0) of a home, with an estimate of its width in Omega at ``eps``, but
+    for what damping takes away.
+
+    Unequal damping delta_p, delta_q makes a region wider by the factor 1 / ``balance``, balance^2 = 4 delta_p delta_q /
+    (delta_p + delta_q)^2: growth ceases where gamma^2 = delta_p delta_q + (balance x / 2)^2 for a rate gamma of the
+    coupling and a detuning x (V. V. Bolotin, Nonconservative Problems of the Theory of Elastic Stability, 1963).
+    """
 
     name: Name
     home: Home
@@ -57,6 +63,7 @@ class Candidate(NamedTuple):
     q: int
     eps: float
     width: float
+    balance: float = 1.0
 
 
 def homes(system: PeriodicSystem, least: float) -> list[Home]:
@@ -92,11 +99,20 @@ def candidates(system: PeriodicSystem, names: Sequence[Name], eps: float) -> lis
             growth = couplings(home.block, least, first, second, j, centres, eps)
             is_open = np.isfinite(growth) & (DOUBT * growth > np.sqrt(np.maximum(first.real * second.real, 0.0)))
             found += [
-                Candidate(name, home, own[name.p], own[name.q], eps, float(4 / j * rate))
-                for name, rate, keep in zip(some, growth, is_open, strict=True)
+                Candidate(name, home, own[name.p], own[name.q], eps, float(4 / j * rate / balance), float(balance))
+                for name, rate, keep, balance in zip(
+                    some, growth, is_open, _balance(home.block, first, second), strict=True
+                )
                 if keep
             ]
     return sorted(found, key=lambda candidate: -candidate.width)
+
+
+def _balance(block: Block, first: ComplexArray, second: ComplexArray) -> FloatArray:
+    """Return the ``balance`` of `Candidate`, 1 where a mode is not damped."""
+    damped = (first.real < 0) & (second.real < 0) & (not (block.symplectic or block.reversible))
+    product, total = first.real * second.real, first.real + second.real
+    return np.asarray(np.where(damped, 2 * np.sqrt(np.abs(product)) / np.where(damped, -total, 1.0), 1.0))
 
 
 def couplings(

@@ -142,31 +142,39 @@ def follow(found: Exponents, eps: FloatArray, start: ComplexArray, conservative:
     return Exponents(angle, modulus, split)
 
 
+def distance(found: Exponents, p: int, q: int, j: int, sign: int) -> FloatArray:
+    """Return by how much the angles of two modes miss the resonance j Omega = omega_p ± omega_q, (...), with a sign:
+    falling through zero where Omega goes through the resonance."""
+    return np.asarray(found.angle[..., p] + sign * found.angle[..., q] - 2 * np.pi * j)
+
+
 def test_function(found: Exponents, p: int, q: int, j: int, sign: int, conservative: bool) -> FloatArray:
-    """Return f (k,) of the resonance j Omega = omega_p ± omega_q, positive where the two are unstable.
+    """Return f (...) of the resonance j Omega = omega_p ± omega_q, positive where the two are unstable; the arrays of
+    ``found`` are (..., n).
 
     ``p`` and ``q`` are numbers of modes from 0, ``found`` is that of `follow`, and ``sign`` is 1 or -1. f is that of
     `floquet.pair.instability`, from logarithms: analytic where the two coalesce. NaN where one of the modes is unstable
     with another one.
     """
-    angle, modulus, split = found
-    apart = angle[:, p] + sign * angle[:, q] - 2 * np.pi * j
-    total = modulus[:, p] + modulus[:, q]
+    modulus, split = found.modulus, found.split
+    apart = distance(found, p, q, j, sign)
+    total = modulus[..., p] + modulus[..., q]
+    elsewhere = np.abs(apart) > np.pi  # two that are unstable by another resonance
     if p == q:
-        apart = np.where(split[:, p] > 0, 0.0, apart)
-        f = split[:, p] ** 2 - apart**2 / 4 - total**2 / 4
-        return np.where(conservative & (np.abs(total) > ROUNDING), np.nan, f)
-    elsewhere = (split[:, p] > 0) | (split[:, q] > 0)
-    difference = modulus[:, p] - modulus[:, q]
+        elsewhere &= split[..., p] > 0
+        f = split[..., p] ** 2 - apart**2 / 4 - total**2 / 4
+        return np.where(elsewhere | (conservative & (np.abs(total) > ROUNDING)), np.nan, f)
+    difference = modulus[..., p] - modulus[..., q]
     if conservative:
         together = np.abs(difference) > ROUNDING
         f = np.where(together, difference**2, -(apart**2)) / 4
-        elsewhere |= np.abs(total) > ROUNDING
+        elsewhere = (elsewhere & together) | (np.abs(total) > ROUNDING)
     else:
         with np.errstate(divide="ignore", invalid="ignore"):
             skew = difference * apart / 2 / total
         f = (difference**2 - apart**2) / 4 + skew**2 - total**2 / 4
-    return np.where(elsewhere, np.nan, f)
+        elsewhere &= f > 0
+    return np.where(elsewhere | (split[..., p] > 0) | (split[..., q] > 0), np.nan, f)
 
 
 @njit(cache=True, nogil=True)

@@ -129,9 +129,24 @@ def monodromy(system: SystemFamily, Omega: float, eps: float, *, tolerance: floa
     return Monodromy(matrix, joint.multipliers, growth_rate, float(error), joint.error, joint.kind)
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=16)
 def _reduced(system: PeriodicSystem, eps: float, slowest: float) -> list[Reduction]:
     return reduce_system(system, eps, slowest)
+
+
+def _blocks(system: PeriodicSystem, Omega: float, eps: float) -> list[Reduction]:
+    """Return the blocks of a system; those of many points by a few reductions, at amplitudes that are powers of two.
+
+    Scales and bounds are those of the amplitude that is at least as large.
+    """
+    above = float(np.copysign(2.0 ** np.ceil(np.log2(abs(eps))), eps)) if eps else 0.0
+    scale = eps / above if above else 1.0
+    blocks = []
+    for block in _reduced(system, above, 2.0 ** np.floor(np.log2(Omega / (2 * np.pi)))):
+        alpha = np.column_stack([block.equations.alpha[:, :1], scale * block.equations.alpha[:, 1:]])
+        equations = block.equations._replace(alpha=alpha, beta=scale * block.equations.beta)
+        blocks.append(block._replace(equations=equations))
+    return blocks
 
 
 def is_unstable(family: SystemFamily, Omega: float, eps: float, modes: int = 0) -> bool:
@@ -140,7 +155,7 @@ def is_unstable(family: SystemFamily, Omega: float, eps: float, modes: int = 0) 
     The same series as in `monodromy`, at less than half the cost: their errors are taken to be what they aim at, and
     one unstable block is enough.
     """
-    blocks = _reduced(member_at(family, Omega), eps, 2.0 ** np.floor(np.log2(Omega / (2 * np.pi))))
+    blocks = _blocks(member_at(family, Omega), Omega, eps)
     for block in sorted(blocks, key=lambda block: abs(len(block.equations.w) - modes)):
         start = np.eye(2 * len(block.equations.w))
         Phi = propagate(block, Omega, eps, steps_of_period(block, Omega), TOLERANCE, start)

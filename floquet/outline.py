@@ -62,7 +62,8 @@ def components(columns: Sequence[Column]) -> list[set[Place]]:
 
 
 def loops(Omega: FloatArray, columns: Sequence[Column], places: set[Place], finest: float) -> list[Loop]:
-    """Return the closed polylines round the connected intervals ``places``, the longest first.
+    """Return the closed polylines round the connected intervals ``places``: the outer one first, counterclockwise, then
+    those round stable islands, clockwise.
 
     Each pair of linked intervals spans a quadrilateral. An interval linked to several on one side is split between
     them, in the middle of the stable gaps that begin there. What remains of the sides of all quadrilaterals after those
@@ -117,7 +118,8 @@ def loops(Omega: FloatArray, columns: Sequence[Column], places: set[Place], fine
                 join((c, i, "low", 0), (c, i, f"{side} tip", 0))
                 join((c, i, f"{side} tip", 0), (c, i, "high", 0))
     walked = [_loop([where[corner] for corner in corners]) for corners in _walk(neighbours)]
-    return sorted(walked, key=lambda loop: -abs(area(loop.Omega, loop.eps)))
+    walked.sort(key=lambda loop: -abs(area(loop.Omega, loop.eps)))
+    return [_turned(loop, 1 if number == 0 else -1) for number, loop in enumerate(walked)]
 
 
 def area(Omega: FloatArray, eps: FloatArray) -> float:
@@ -233,6 +235,13 @@ def _walk(neighbours: dict[Corner, list[Corner]]) -> list[list[Corner]]:
             walk.append(corner)
         walks.append(walk)
     return walks
+
+
+def _turned(loop: Loop, sense: int) -> Loop:
+    """Return a polyline that runs counterclockwise if ``sense`` is 1, clockwise if it is -1."""
+    if area(loop.Omega, loop.eps) * sense >= 0:
+        return loop
+    return Loop(loop.Omega[::-1], loop.eps[::-1], loop.kind[::-1])
 
 
 def _loop(corners: list[tuple[float, float, int]]) -> Loop:

@@ -13,7 +13,7 @@ from floquet.branches import branches
 from floquet.coupling import Candidate, candidates
 from floquet.monodromy import is_unstable, member_at
 from floquet.names import Name, Namer, resonances
-from floquet.outline import Column, Loop, Place, components, crossings, loops
+from floquet.outline import Column, Loop, Place, area, components, crossings, loops
 from floquet.scanning import AMPLITUDES, Scan
 from floquet.tongues import Tongue, reach, trace_tongues
 from periodic import SystemFamily
@@ -24,11 +24,11 @@ COLUMNS = 128
 # Narrow regions are followed up to this many such distances.
 WIDE = 2.0
 # Regions that are nowhere wider than this part of the tolerance are left out.
-NARROWEST = 0.02
+NARROWEST = 0.001
 # A region that is no longer narrow at this part of the height of the window is left to the columns.
 SOON = 0.05
-# Amplitudes at which a resonance is compared with the wide regions.
-PROBES = 8
+# Amplitudes at which a resonance is compared with the wide regions, as parts of the height.
+PROBES = np.array([1 / 64, 1 / 32, 1 / 16, *(np.arange(1, 9) / 8)])
 # No more resonances than these are followed: at low Omega and large eps there is no end of them.
 MOST = 200
 # A column at a resonance is placed no nearer to the others than this part of the window.
@@ -46,16 +46,18 @@ class Region:
     Attributes
     ----------
     outlines : tuple of Loop
-        Closed polylines with arrays ``Omega``, ``eps`` and ``kind`` (k,): the outer one first, then those round stable
-        islands, then those of its narrow branches, in which the region goes on to its resonances. The first corner is
-        not repeated at the end. ``kind`` is the `Kind` of the instability just inside. Where the region goes on beyond
-        the window, the polyline follows the edge of the window.
+        Closed polylines with arrays ``Omega``, ``eps`` and ``kind`` (k,): the outer one first, counterclockwise, then
+        those round stable islands, clockwise, then those of its narrow branches, in which the region goes on to its
+        resonances, counterclockwise; these may overlap. The first corner is not repeated at the end. ``kind`` is the
+        `Kind` of the instability just inside. Where the region goes on beyond the window, the polyline follows the edge
+        of the window.
     resonances : tuple of Name
         The resonances that the region starts from, several if regions have merged; empty if none explains it.
     tip : (float, float)
         Omega and eps of its lowest point.
     witness : (float, float)
-        Omega and eps of a point inside, at which integration by the method of `monodromy` found instability.
+        Omega and eps of a point inside that is unstable: by the method of `monodromy`, or, in a narrow region, by the
+        multipliers of a column that are off the unit circle by far more than their error.
     """
 
     outlines: tuple[Loop, ...]
@@ -91,11 +93,13 @@ class Region:
             If the arguments are not real or not finite.
         """
         x, y = np.broadcast_arrays(real_array("Omega", Omega, None), real_array("eps", eps, None))
-        inside = np.zeros((2, *x.shape), dtype=bool)
+        inside = np.zeros((2, *x.shape), dtype=int)
         for loop in self.outlines:
             box = (x >= loop.Omega.min()) & (x <= loop.Omega.max()) & (y >= loop.eps.min()) & (y <= loop.eps.max())
-            inside[:, box] ^= _inside(loop, x[box], y[box])
-        return np.asarray(inside.any(axis=0))
+            if box.any():
+                # islands run clockwise; branches may overlap
+                inside[:, box] += np.where(area(loop.Omega, loop.eps) < 0, -1, 1) * _inside(loop, x[box], y[box])
+        return np.asarray((inside > 0).any(axis=0))
 
 
 def trace_regions(
@@ -117,7 +121,7 @@ def trace_regions(
         The window, 0 < Omega and 0 <= eps.
     tolerance : float
         Largest distance between a polyline and the true edge, as part of the window's width and height. Regions that
-        are nowhere wider in Omega than a fiftieth of this part of the window are left out.
+        are nowhere wider in Omega than a thousandth of this part of the window are left out.
     n_jobs : int or None
         Workers, as in `stability_chart`.
     progress : bool or None
@@ -138,7 +142,8 @@ def trace_regions(
     Wide regions are what 128 columns of the window meet, and as many more as their edges need. Narrower ones, which
     pass between the columns, are looked for at the resonances j Omega = omega_p ± omega_q, j <= 8, and followed from
     there (`floquet.tongues`). A narrow region may be missed if it starts at none of these, or where it is crowded by
-    others. Every region has a witness, integrated by the method of `monodromy`.
+    others; so may a stable gap between two regions that is narrower than the distance between the columns. Every region
+    has a witness.
     """
     low, high = interval("Omega_range", Omega_range)
     real_number("Omega_range[0]", low, positive=True)
@@ -163,22 +168,23 @@ def trace_regions(
     feet = [one.name.centre for one in expected if one.width > width / COLUMNS and one.name.j <= 2]
     feet = [foot for foot in feet if low < foot < high]
     with tqdm(total=4, unit="stage", disable=None if progress is None else not progress) as bar:
-        scan.add([*base, *(foot for foot in feet if np.abs(base - foot).min() > APART * width)])
+        beside = [w for w in (low - spare, high + spare) if w > 0]  # where modes go on, for what starts outside
+        scan.add([*base, *beside, *(foot for foot in feet if np.abs(base - foot).min() > APART * width)])
         bar.update()
         scan.refine((width, top - bottom), bottom, tolerance)
         bar.update()
         Omega, columns = scan.ordered()
         namer = Namer(family, Omega, columns, names, tolerance * width)
         shown = [_above(column, bottom) for column in columns]
-        found = (_region(family, Omega, shown, places, namer, tolerance * width) for places in components(shown))
+        found = (_region(scan, Omega, shown, places, namer, tolerance * width) for places in components(shown))
         wide = [region for region in found if region is not None]
         bar.update()
         narrow = trace_tongues(
             family,
             _narrow(expected, wide, (low, high), (bottom, top), tolerance),
+            scan,
             (bottom, top),
             WIDE * width / COLUMNS,
-            scan.steps,
             n_jobs,
         )
         regions = _joined(family, wide, narrow, (low, high), NARROWEST * tolerance * width)
@@ -204,7 +210,7 @@ def _narrow(
         return []
     centres = np.array([one.name.centre for one in tall])[:, None]
     ends = np.array([reach(one, top, widest) for one in tall])[:, None]
-    levels = bottom + (ends - bottom) * np.linspace(0, 1, PROBES + 1)[1:]
+    levels = bottom + (ends - bottom) * PROBES
     known = np.zeros(levels.shape, dtype=bool)
     for region in wide:
         known |= region.contains(centres, levels)
@@ -228,9 +234,26 @@ def _joined(
             names = old.resonances if tongue.name in old.resonances else (*old.resonances, tongue.name)
             tip = min(old.tip, tip, key=lambda place: place[1])
             regions[parent] = replace(old, outlines=(*old.outlines, loop), resonances=names, tip=tip)
-        elif (tongue.upper - tongue.lower).max() >= narrowest and is_unstable(family, *tongue.witness, tongue.modes):
-            regions.append(Region((loop,), (tongue.name,), tip, tongue.witness))
+        elif (tongue.upper - tongue.lower).max() >= narrowest:
+            witness, sure = _witness(tongue, loop, window)
+            if sure or is_unstable(family, *witness, tongue.modes):
+                regions.append(Region((loop,), (tongue.name,), tip, witness))
     return regions
+
+
+def _witness(tongue: Tongue, loop: Loop, window: tuple[float, float]) -> tuple[tuple[float, float], bool]:
+    """Return a point inside a stretch of a narrow region, and whether it is known to be unstable.
+
+    The tongue has one, unless it lies in another stretch, or outside the window; then it is the middle of the widest
+    level.
+    """
+    Omega, eps = tongue.witness
+    if loop.eps.min() <= eps <= loop.eps.max() and window[0] <= Omega <= window[1]:
+        return tongue.witness, tongue.sure
+    levels = len(loop.eps) // 2
+    right, left = loop.Omega[:levels], loop.Omega[: -levels - 1 : -1]
+    widest = int((right - left).argmax())
+    return (float(right[widest] + left[widest]) / 2, float(loop.eps[widest])), False
 
 
 def _above(column: Column, bottom: float) -> Column:
@@ -239,7 +262,7 @@ def _above(column: Column, bottom: float) -> Column:
 
 
 def _region(
-    family: SystemFamily,
+    scan: Scan,
     Omega: FloatArray,
     columns: Sequence[Column],
     places: set[Place],
@@ -254,7 +277,7 @@ def _region(
         return None
     c, i = max(places, key=lambda place: columns[place[0]][place[1]].high - columns[place[0]][place[1]].low)
     witness = (float(Omega[c]), (columns[c][i].low + columns[c][i].high) / 2)
-    if not is_unstable(family, *witness):
+    if not is_unstable(scan.family, *witness, scan.most_unstable(*witness)):
         return None
     lowest = int(outlines[0].eps.argmin())
     tip = (float(outlines[0].Omega[lowest]), float(outlines[0].eps[lowest]))

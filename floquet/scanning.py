@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from floquet.column import LEAST_STEPS, SAFETY, least_frequency, log2_steps, multipliers, steps_needed
 from floquet.coordinates import Block, blocks, equations
-from floquet.exponents import edge, modes_symplectic
+from floquet.exponents import ROUNDING, Exponents, edge, modes_symplectic
 from floquet.exponents import modes as modes_general
 from floquet.multipliers import Kind
 from floquet.outline import Column, Interval, links
@@ -21,7 +22,7 @@ from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import FloatArray
 
 # Amplitudes in the window; an end of an interval is interpolated between two of them.
-AMPLITUDES = 96
+AMPLITUDES = 80
 # Error of the multipliers, as `floquet.column` has it, and the steps that it takes as a part of those that
 # `steps_needed` finds for an error of 1e-10: of fourth order. What is wide enough for a scan is far more unstable.
 ERROR = 1e-7
@@ -36,29 +37,49 @@ NOT_NEARER = 0.05
 COLUMNS_A_TASK = 8
 
 
+class Modes(NamedTuple):
+    """A block and the exponents of its modes in a column, in no order."""
+
+    block: Block
+    found: Exponents
+
+
 class Scan:
-    """Columns of a family over a range of eps, computed when asked for and kept."""
+    """Columns of a family over a range of eps, computed when asked for and kept, each with the modes of its blocks."""
 
     def __init__(self, family: SystemFamily, Omega_range: tuple[float, float], eps: FloatArray, n_jobs: Any) -> None:
-        self.family, self.eps = family, eps
+        self.family, self.window, self.eps = family, Omega_range, eps
         few = np.array([Omega_range[0], sum(Omega_range) / 2, Omega_range[1]])
         self.steps = max(FEWER * steps_needed([family.at(float(w)) for w in few], few, eps), LEAST_STEPS)
         self.n_jobs = n_jobs
         self.columns: dict[float, Column] = {}
+        self.modes: dict[float, list[Modes]] = {}
 
     def add(self, Omega: Iterable[float]) -> int:
-        """Compute the columns at ``Omega`` that are new; return how many."""
-        new = sorted({float(w) for w in Omega} - self.columns.keys())
+        """Compute the columns at ``Omega`` that are new; return how many.
+
+        Of those outside the window only the modes are kept.
+        """
+        new = sorted({float(w) for w in Omega} - self.modes.keys())
         batches = [new[i : i + COLUMNS_A_TASK] for i in range(0, len(new), COLUMNS_A_TASK)]
         tasks = (([self.family.at(w) for w in batch], batch, self.eps, self.steps) for batch in batches)
         for i, found in spread(_intervals, tasks, self.n_jobs):
-            self.columns.update(zip(batches[i], found, strict=True))
+            for w, parts in zip(batches[i], found, strict=True):
+                self.modes[w] = [modes for _, modes in parts]
+                if self.window[0] <= w <= self.window[1]:
+                    self.columns[w] = union([column for column, _ in parts])
         return len(new)
 
     def ordered(self) -> tuple[FloatArray, list[Column]]:
         """Return the frequencies of all columns, increasing, and the columns."""
         Omega = sorted(self.columns)
         return np.array(Omega), [self.columns[w] for w in Omega]
+
+    def most_unstable(self, Omega: float, eps: float) -> int:
+        """Return the number of modes of the block that is most unstable at ``eps`` in the column at ``Omega``."""
+        level = int(np.abs(self.eps - eps).argmin())
+        growth = [(found.modulus + found.split)[level].max() for _, found in self.modes[Omega]]
+        return len(self.modes[Omega][int(np.argmax(growth))].block.K)
 
     def refine(self, units: tuple[float, float], bottom: float, tolerance: float) -> None:
         """Halve the slabs between columns until straight lines describe the edges.
@@ -189,17 +210,17 @@ class _Slabs:
 
 def _intervals(
     systems: Sequence[PeriodicSystem], Omega: Sequence[float], eps: FloatArray, steps: float
-) -> list[Column]:
-    """Return the unstable intervals of some columns."""
+) -> list[list[tuple[Column, Modes]]]:
+    """Return the unstable intervals and the modes of the blocks of some columns."""
     work = Workspace()
     return [
-        union([_of_block(block, frequency, eps, steps, work) for block in blocks(system)])
+        [_of_block(block, frequency, eps, steps, work) for block in blocks(system)]
         for system, frequency in zip(systems, Omega, strict=True)
     ]
 
 
-def _of_block(block: Block, Omega: float, eps: FloatArray, steps: float, work: Workspace) -> Column:
-    """Return the unstable intervals of a column of a block, without measuring its error, which would double the cost.
+def _of_block(block: Block, Omega: float, eps: FloatArray, steps: float, work: Workspace) -> tuple[Column, Modes]:
+    """Return a column of a block without measuring its error, which would double the cost.
 
     The steps are short enough for it to be below ERROR; every region is verified by `floquet.monodromy` in the end.
     """
@@ -211,7 +232,10 @@ def _of_block(block: Block, Omega: float, eps: FloatArray, steps: float, work: W
     else:
         found, modes = dominant(mu, exponents, block.reversible), modes_general(mu, exponents)
     kind = judge(found, SAFETY * ERROR * losses, conservative).kind
-    unstable = np.concatenate([[False], kind > Kind.STABLE, [False]])
+    unstable = kind > Kind.STABLE
+    if conservative:  # next to an edge it is too weak to be judged, but seen
+        unstable = _with_neighbours(unstable, (np.abs(modes.modulus) + modes.split).max(axis=1) > ROUNDING)
+    unstable = np.concatenate([[False], unstable, [False]])
     starts = np.flatnonzero(~unstable[:-1] & unstable[1:]).tolist()
     stops = (np.flatnonzero(unstable[:-1] & ~unstable[1:]) - 1).tolist()
     column = []
@@ -221,8 +245,16 @@ def _of_block(block: Block, Omega: float, eps: FloatArray, steps: float, work: W
             low = edge(modes, eps, first - 1, first, min(first + 1, last), conservative)
         if last < len(eps) - 1:
             high = edge(modes, eps, last + 1, last, max(last - 1, first), conservative)
-        column.append(Interval(float(low), float(high), int(kind[first]), int(kind[last])))
-    return column
+        judged = kind[first : last + 1][kind[first : last + 1] > Kind.STABLE]
+        column.append(Interval(float(low), float(high), int(judged[0]), int(judged[-1])))
+    return column, Modes(block, modes)
+
+
+def _with_neighbours(sure: NDArray[np.bool_], likely: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return the runs of likely cells that touch a sure one, and the sure ones."""
+    either = sure | likely
+    run = np.cumsum(np.diff(either, prepend=False))
+    return either & np.isin(run, run[sure])
 
 
 def union(columns: Sequence[Column]) -> Column:

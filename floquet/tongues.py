@@ -1,59 +1,57 @@
 """Narrow regions of instability, followed from the resonances that they start from.
 
 A region much narrower than the distance between the columns of a scan is met by none of them. But beside it the
-exponents of its two modes are smooth, and across it the test function f of the pair (`floquet.exponents`) is: nearly a
-parabola in Omega, with its vertex in the middle of the region and its zeros at the edges. Three columns near a
-resonance, one of them inside the region, give these parabolas for all amplitudes at once.
+exponents of its two modes are smooth: by how much they miss the resonance is known in the columns on both sides, for
+all amplitudes, and the region is where nothing is missed. One column placed there measures how unstable it is, which is
+how wide it is.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from floquet.column import least_frequency, log2_steps, multipliers
-from floquet.coordinates import Block, blocks, equations
+from floquet.coordinates import blocks, equations
 from floquet.coupling import Candidate
-from floquet.exponents import follow, modes, modes_symplectic, test_function
+from floquet.exponents import modes, modes_symplectic
+from floquet.middles import middles
 from floquet.names import Name
+from floquet.nodes import BALANCED, Nodes, home_of, scan_nodes
 from floquet.parallel import spread
 from floquet.sampling import Sampler, Workspace
-from periodic import PeriodicSystem, SystemFamily
+from floquet.scanning import Modes, Scan
+from periodic import SystemFamily
 from periodic.checks import FloatArray
 
-# Amplitudes below the window and in it, dense enough to extrapolate exponents from one to the next.
-BELOW, LEVELS = 32, 47
 # Error of the multipliers, as a part of the expected f, and at least and at most.
 ACCURACY, FINEST, COARSEST = 1e-2, 1e-10, 1e-7
 # Candidates that share their work space.
 A_TASK = 4
-# Columns placed in the middle of a region, at most; each shows where to place the next.
+# Columns placed in a region, at most; each shows where to place the next.
 TRIALS = 4
-# Columns placed at a tip above eps = 0, at most.
-TIPS = 2
-# The curvature of f in Omega is that of two modes with constant frequencies, but for this factor.
-CURVATURE = 2.0
-# A vertex further from the resonance than this part of its frequency is none.
-FARTHEST = 0.1
-# The height of a parabola counts where a column is inside the region, or that near to its vertex, as part of the square
-# of the half width. The others follow from those above, as to low orders in eps.
-NEAR = 0.25
-# Levels in a row at which a fit may fail, where one of the modes meets a third one in passing.
-GAP = 4
-# Where nothing could be followed, part of the width up to which it is tried once more.
-CROWDED = 0.25
+# Levels in a row at which nothing may be known within a stretch: where one of the modes meets a third one in passing.
+GAP = 8
+# A column that is unstable by more than this many times what is expected is so by something else.
+MOST = 16.0
+# A node on one side only says where a region is that is this near to it, as part of the window.
+CLOSE = 1e-3
+# What is this many times the error is sure.
+SURE = 30.0
+# Times that heights and places are found from one another.
+PASSES = 2
 TINY = 1e-30
 
 
 class Tongue(NamedTuple):
-    """A narrow region: its edges ``lower`` and ``upper`` in Omega at the amplitudes ``eps``, arrays (k,), from its tip
+    """A stretch of a narrow region: its edges ``lower`` and ``upper`` in Omega at the amplitudes ``eps``, arrays (k,),
     upwards.
 
-    ``witness`` is an (Omega, eps) at which the multipliers of a column are unstable, those of a block with so many
-    ``modes``.
+    ``witness`` is an (Omega, eps) inside, where a block with so many ``modes`` is unstable; ``sure`` if a column meets
+    it there and finds its multipliers off the unit circle by far more than their error.
     """
 
     name: Name
@@ -61,38 +59,37 @@ class Tongue(NamedTuple):
     lower: FloatArray
     upper: FloatArray
     witness: tuple[float, float]
+    sure: bool
     modes: int
 
 
 class _Fit(NamedTuple):
-    """The parabolas of all amplitudes, arrays (k,): vertex, its height, half width, and whether they are to be trusted.
-
-    The square of the half width is negative where f is.
-    """
+    """What is known of the middle of a region at all levels, arrays (k,): its place, NaN where unknown, the square of
+    the half width, f there, whether that is measured, and the node that is nearest to it and inside the region, -1 if
+    there is none."""
 
     centre: FloatArray
-    height: FloatArray
     square: FloatArray
-    sound: Any
+    height: FloatArray
+    measured: NDArray[np.bool_]
+    inside: NDArray[np.intp]
 
 
 def trace_tongues(
     family: SystemFamily,
     candidates: Sequence[Candidate],
+    scan: Scan,
     eps_range: tuple[float, float],
     widest: float,
-    steps: float,
     n_jobs: int | None,
 ) -> list[Tongue]:
-    """Return the narrow regions that start at the candidates, up to where they are ``widest`` in Omega, meet others, or
-    leave ``eps_range``.
-
-    ``steps`` in a cycle of the fastest motion give multipliers with an error of COARSEST.
-    """
-    batches = [candidates[i : i + A_TASK] for i in range(0, len(candidates), A_TASK)]
-    tasks = ((family, batch, eps_range, widest, steps) for batch in batches)
+    """Return the narrow regions that start at the candidates, in stretches: where they are not wider than ``widest`` in
+    Omega, nor lost among others, within ``eps_range``."""
+    pairs = list(zip(candidates, scan_nodes(candidates, scan), strict=True))
+    batches = [pairs[i : i + A_TASK] for i in range(0, len(pairs), A_TASK)]
+    tasks = ((family, batch, (scan.window, eps_range), scan.eps, widest, scan.steps) for batch in batches)
     found = dict(spread(_tongues, tasks, n_jobs))
-    return [tongue for i in range(len(batches)) for tongue in found[i] if tongue is not None]
+    return [tongue for i in range(len(batches)) for tongue in found[i]]
 
 
 def reach(candidate: Candidate, top: float, widest: float) -> float:
@@ -101,168 +98,178 @@ def reach(candidate: Candidate, top: float, widest: float) -> float:
 
 
 def _tongues(
-    family: SystemFamily, candidates: Sequence[Candidate], eps_range: tuple[float, float], widest: float, steps: float
-) -> list[Tongue | None]:
-    work, found = Workspace(), []
-    for candidate in candidates:
-        tongue = _tongue(family, candidate, eps_range, widest, steps, work)
-        lower = CROWDED * min(candidate.width, widest)
-        if tongue is None and reach(candidate, eps_range[1], lower) > eps_range[0]:  # others may be near further up
-            tongue = _tongue(family, candidate, eps_range, lower, steps, work)
-        found.append(tongue)
-    return found
-
-
-def _tongue(
     family: SystemFamily,
-    candidate: Candidate,
-    eps_range: tuple[float, float],
+    pairs: Sequence[tuple[Candidate, Nodes]],
+    window: tuple[tuple[float, float], tuple[float, float]],
+    eps: FloatArray,
     widest: float,
     steps: float,
-    work: Workspace,
-) -> Tongue | None:
-    """Return the region of a candidate, or its lower part; None if there is none that can be followed."""
-    bottom, end = eps_range[0], reach(candidate, eps_range[1], widest)
-    below = np.linspace(0.0, bottom, BELOW, endpoint=False)[: BELOW * (bottom > 0)]
-    eps = np.concatenate([below, np.linspace(bottom, end, LEVELS + 1)])
-    centre, half = candidate.name.centre, min(candidate.width, widest) / 2
-    nodes: dict[float, FloatArray] = {}
-
-    def add(Omega: float) -> None:
-        nodes[Omega] = _column(family, candidate, Omega, eps, steps, work)
-
-    add(centre - half)
-    add(centre + half)
-    fit, met, reached = _fit(nodes, candidate, np.full(len(eps), centre)), None, 0
-    for _ in range(TRIALS):
-        last = _end(fit.sound)
-        middle = float(fit.centre[last - 1])
-        if last <= max(len(below), 2, reached) or middle in nodes:
-            break
-        add(middle)
-        fit = _fit(nodes, candidate, fit.centre)
-        if (nodes[middle][len(below) :] > 0).any():
-            met, reached = middle, last
-            if last == len(eps):
-                break
-    if met is None:
-        return None
-    found = _outline(candidate, eps, len(below), fit, nodes, met)
-    for _ in range(TIPS):
-        if found is None or found.lower[0] < found.upper[0] or found.eps[0] == 0 or found.lower[0] in nodes:
-            break
-        add(float(found.lower[0]))  # a tip, which damping lifts: to be measured
-        fit = _fit(nodes, candidate, fit.centre)
-        found = _outline(candidate, eps, len(below), fit, nodes, met)
+) -> list[Tongue]:
+    work, found = Workspace(), []
+    for candidate, nodes in pairs:
+        levels = int(np.searchsorted(eps, reach(candidate, window[1][1], widest), side="right"))
+        first = int(np.searchsorted(eps, window[1][0]))
+        found += _Follower(family, candidate, window[0], eps, steps, work).tongues(nodes, first, levels)
     return found
 
 
-def _column(
-    family: SystemFamily, candidate: Candidate, Omega: float, eps: FloatArray, steps: float, work: Workspace
-) -> FloatArray:
-    """Return the test function of a candidate in one column, (k,)."""
-    block = _block(family.at(Omega), candidate)
-    sampler = Sampler(block, equations(block, least_frequency(Omega)), Omega, work)
-    error = min(max(ACCURACY * _expected(candidate, eps)[1][-1], FINEST), COARSEST)
-    finer = (COARSEST / error) ** 0.25  # fourth order
-    spectra = multipliers(sampler, eps, log2_steps(block, Omega, eps, steps * finer), error)
-    found = (modes_symplectic if block.symplectic else modes)(spectra.mu, spectra.exponents)
-    conservative = block.symplectic or block.reversible
-    name, start = candidate.name, candidate.home.exponents * (2 * np.pi / Omega)
-    followed = follow(found, eps, start, conservative)
-    return test_function(followed, candidate.p, candidate.q, name.j, name.sign, conservative)
+class _Follower:
+    """Follows one candidate along the amplitudes ``eps``, with new columns where they are needed."""
 
+    def __init__(
+        self,
+        family: SystemFamily,
+        candidate: Candidate,
+        window: tuple[float, float],
+        eps: FloatArray,
+        steps: float,
+        work: Workspace,
+    ) -> None:
+        self.family, self.candidate, self.window = family, candidate, window
+        self.eps, self.steps, self.work = eps, steps, work
+        block = candidate.home.block
+        self.damped = not (block.symplectic or block.reversible)
+        self.free, self.expected = _expected(candidate, eps)
+        self.errors: dict[float, float] = {}
+        self.close = CLOSE * (window[1] - window[0])
+        self.slope = -candidate.name.j * np.pi * candidate.balance
 
-def _fit(nodes: dict[float, FloatArray], candidate: Candidate, near: FloatArray) -> _Fit:
-    """Return the parabolas through the three columns nearest to ``near`` (k,); through two, with the curvature that two
-    modes of constant frequencies have."""
-    centre = candidate.name.centre
-    expected = -((candidate.name.j * np.pi / centre) ** 2)
-    at = np.array(list(nodes)) - centre
-    values = np.array(list(nodes.values()))
-    with np.errstate(all="ignore"):
-        distance = np.where(np.isnan(values), np.inf, np.abs(at[:, None] - (near - centre)))
-        chosen = np.argsort(distance, axis=0, kind="stable")[:3]
-        x, f = at[chosen], np.take_along_axis(values, chosen, axis=0)
-        slope = (f[1] - f[0]) / (x[1] - x[0])
-        if len(x) == 3:
-            curvature = ((f[2] - f[0]) / (x[2] - x[0]) - slope) / (x[2] - x[1])
-        else:
-            curvature = np.full(len(near), expected)
-        slope = slope - curvature * (x[1] - x[0])  # at x[0]
-        vertex = x[0] - slope / (2 * curvature)
-        height = f[0] - slope**2 / (4 * curvature)
-        ratio = curvature / expected
-        sound = (ratio > 1 / CURVATURE) & (ratio < CURVATURE) & (np.abs(vertex) < FARTHEST * centre)
-    return _Fit(centre + vertex, height, -height / curvature, sound)
+    def tongues(self, nodes: Nodes, first: int, levels: int) -> list[Tongue]:
+        """Return the stretches of the region among the first ``levels``, from the level ``first`` on."""
+        fit = self.fit(nodes, levels)
+        for _ in range(TRIALS):
+            place = self._unmet(fit, nodes, first)
+            if place is None:
+                break
+            nodes = self._with(nodes, place)
+            fit = self.fit(nodes, levels)
+        found = [self._outline(fit, nodes, max(start, first), last) for start, last in _stretches(fit.centre)]
+        return [tongue for tongue in found if tongue is not None]
 
-
-def _outline(
-    candidate: Candidate, eps: FloatArray, first: int, fit: _Fit, nodes: dict[float, FloatArray], middle: float
-) -> Tongue | None:
-    """Return the region, given a column that meets it at ``middle``; ``first`` is the first level in the window."""
-    levels = np.arange(len(eps))
-    last = _end(fit.sound)
-    sound = fit.sound & (levels < last)
-    if last < max(first, 2):
+    def _unmet(self, fit: _Fit, nodes: Nodes, first: int) -> float | None:
+        """Return where to place a column to meet a stretch that none meets; None if there is nowhere."""
+        seen = ~nodes.wide.at(np.nan_to_num(fit.centre))
+        seen &= (fit.centre >= self.window[0]) & (fit.centre <= self.window[1])
+        seen[:first] = False
+        for start, last in _stretches(fit.centre):
+            start = max(start, first)
+            if last > start and seen[start : last + 1].any():
+                top = start + int(np.flatnonzero(seen[start : last + 1])[-1])
+                if fit.centre[top] not in nodes.Omega and self._witness(fit, nodes, start, last) is None:
+                    return float(fit.centre[top])
         return None
-    known, square_of_eps = levels[sound], eps**2
-    centre, height, square = (np.interp(square_of_eps, square_of_eps[known], part[known]) for part in fit[:3])
-    if len(known) > 1 and last >= len(eps) - GAP:  # a short gap at the top, too
-        beyond, (a, b) = slice(last, None), known[-2:]
-        part = (square_of_eps[beyond] - square_of_eps[b]) / (square_of_eps[b] - square_of_eps[a])
-        for values in (centre, height, square):
-            values[beyond] = values[b] + part * (values[b] - values[a])
-        last = len(eps)
-    free, expected = _expected(candidate, eps)
-    distance = np.abs(np.array(list(nodes))[:, None] - centre)
-    nearest = np.array(list(nodes.values()))[distance.argmin(axis=0), levels]
-    measured = (nearest > 0) | (distance.min(axis=0) ** 2 < NEAR * np.abs(square))
-    above = None
-    for k in range(last - 1, -1, -1):
-        if measured[k]:
-            above = k if height[k] > 0 else above
-        elif above is None:
-            last = k
-        else:
-            more, part = height[above] - free, (eps[k] / eps[above]) ** 2
-            height[k] = free + expected[k] * max(more / expected[above], TINY) ** part
-            square[k] = square[above] * height[k] / height[above]
-    closed = np.flatnonzero(height[:last] < 0)
-    start = max(first, closed[-1] + 1 if len(closed) else 0)
-    if last - start < 2:
-        return None
-    centre, half, at = centre[start:last], np.sqrt(np.maximum(square[start:last], 0.0)), eps[start:last]
-    if start > first:  # the tip, where f at the vertex is zero
-        part = height[start] / (height[start] - height[start - 1])
-        tip = at[0] - part * (eps[start] - eps[start - 1])
-        at, centre, half = np.append(tip, at), np.append(centre[0], centre), np.append(0.0, half)
-    column = np.where(np.isfinite(nodes[middle]), nodes[middle], -np.inf)[first:]
-    level = len(column) - 1 if column[-1] > 0.5 * column.max() else int(column.argmax())  # the same for many
-    witness = (middle, float(eps[first + level]))
-    return Tongue(candidate.name, at, centre - half, centre + half, witness, len(candidate.home.exponents))
+
+    def _witness(self, fit: _Fit, nodes: Nodes, start: int, last: int) -> tuple[float, float, bool] | None:
+        """Return a point inside a stretch that a column meets: at a level, or else between two; None if none does.
+
+        And whether instability is sure there.
+        """
+        met = np.flatnonzero(fit.inside[start : last + 1] >= 0) + start
+        if len(met):
+            f = nodes.f[fit.inside[met], met]
+            best = met[np.flatnonzero(f >= 0.5 * f.max())[-1]]
+            Omega = float(nodes.Omega[fit.inside[best]])
+            sure = nodes.f[fit.inside[best], best] > SURE * self.errors.get(Omega, COARSEST)
+            return Omega, float(self.eps[best]), bool(sure)
+        if self.damped:
+            return None
+        centre = fit.centre[start : last + 1]
+        sides = nodes.apart[:, start : last + 1] > 0
+        known = np.isfinite(centre)
+        fits = np.isfinite(nodes.f[:, start : last + 1]) & (~known | (sides == (nodes.Omega[:, None] < centre)))
+        crossed = fits[:, 1:] & fits[:, :-1] & (sides[:, 1:] != sides[:, :-1]) & (known[1:] | known[:-1])
+        if not crossed.any():
+            return None
+        level = int(np.flatnonzero(crossed.any(axis=0))[-1])
+        column = int(crossed[:, level].argmax())
+        some = np.arange(max(start + level - 1, 0), min(start + level + 3, len(self.eps)))
+        if not (np.isfinite(nodes.f[column, some]).all() and (np.diff(nodes.apart[column, some]) != 0).all()):
+            some = start + level + np.array([0, 1])
+        return float(nodes.Omega[column]), _root(self.eps[some], nodes.apart[column, some]), False
+
+    def _with(self, nodes: Nodes, Omega: float) -> Nodes:
+        """Return the nodes with a new column."""
+        parts = blocks(self.family.at(Omega))
+        block = parts[home_of(parts, self.candidate.home)]
+        sampler = Sampler(block, equations(block, least_frequency(Omega)), Omega, self.work)
+        error = min(max(ACCURACY * self.expected[-1], FINEST), COARSEST)
+        # fourth order; where steps are symplectic they only shift the region, by a small part of its width
+        finer = 1.0 if block.symplectic else (COARSEST / error) ** 0.25
+        spectra = multipliers(sampler, self.eps, log2_steps(block, Omega, self.eps, self.steps * finer), error)
+        found = (modes_symplectic if block.symplectic else modes)(spectra.mu, spectra.exponents)
+        self.errors[Omega] = error
+        return nodes.with_column(self.candidate, Omega, Modes(block, found), self.eps)
+
+    def fit(self, nodes: Nodes, levels: int) -> _Fit:
+        """Return what the nodes say about the first ``levels``; the others are unknown."""
+        height, exact = self.free + self.expected, self.candidate.balance < BALANCED
+        limits = (self.free + MOST * self.expected, self.candidate.name.centre, self.slope, self.close)
+        for _ in range(PASSES):
+            centre, square, f, room, inside, measured = middles(*nodes[:3], exact, height, *limits)
+            centre[levels:] = np.nan
+            known = np.flatnonzero(measured & np.isfinite(centre) & (f > self.free))
+            if not len(known):
+                break
+            ratio = np.maximum(f[known] - self.free, TINY) / np.maximum(self.expected[known], TINY)
+            above = np.minimum(np.searchsorted(known, np.arange(len(centre))), len(known) - 1)
+            part = np.minimum((self.eps / np.maximum(self.eps[known[above]], TINY)) ** 2, 1.0)
+            height = self.free + self.expected * ratio[above] ** part
+        height = np.minimum(height, room)
+        return _Fit(centre, square, height, measured, np.where(np.isfinite(centre), inside, -1))
+
+    def _outline(self, fit: _Fit, nodes: Nodes, start: int, last: int) -> Tongue | None:
+        """Return a stretch of the region; None if no column meets it."""
+        levels = np.arange(start, last + 1)
+        if len(levels) < 2:
+            return None
+        known = levels[np.isfinite(fit.centre[levels])]
+        squares = self.eps**2
+        centre, square = (np.interp(squares[levels], squares[known], part[known]) for part in (fit.centre, fit.square))
+        height = fit.height[levels]
+        closed = np.flatnonzero(height < 0)
+        bottom = closed[-1] + 1 if len(closed) else 0
+        if len(levels) - bottom < 2:
+            return None
+        half, at = np.sqrt(np.maximum(square * height, 0.0))[bottom:], self.eps[levels[bottom:]]
+        middle = centre[bottom:]
+        if bottom > 0:  # the tip, where f is zero in the middle
+            part = height[bottom] / (height[bottom] - height[bottom - 1])
+            at = np.append(at[0] - part * (at[0] - self.eps[levels[bottom - 1]]), at)
+            middle, half = np.append(middle[0], middle), np.append(0.0, half)
+        witness = self._witness(fit, nodes, int(levels[bottom]), last)
+        if witness is None:
+            return None
+        Omega, level, sure = witness
+        where = int(np.searchsorted(at, level))
+        if at[min(where, len(at) - 1)] != level:
+            width = np.interp(level, at, half)
+            at, middle, half = (np.insert(a, where, b) for a, b in ((at, level), (middle, Omega), (half, width)))
+        elif abs(middle[where] - Omega) > half[where]:
+            middle[where] = Omega
+        modes = len(self.candidate.home.exponents)
+        return Tongue(self.candidate.name, at, middle - half, middle + half, (Omega, level), sure, modes)
 
 
-def _end(sound: NDArray[np.bool_]) -> int:
-    """Return the number of levels up to the first long gap in the trusted ones, or to the last of them."""
-    trusted = np.flatnonzero(sound)
-    if len(trusted) == 0 or trusted[0] > GAP:
-        return 0
-    gaps = np.flatnonzero(np.diff(trusted) > GAP + 1)
-    return int(trusted[gaps[0] if len(gaps) else -1]) + 1
+def _root(x: FloatArray, y: FloatArray) -> float:
+    """Return where y (k,) is zero, by the polynomial x(y)."""
+    others = [np.delete(y, i) for i in range(len(y))]
+    return float(sum(at * np.prod(rest / (rest - own)) for at, own, rest in zip(x, y, others, strict=True)))
+
+
+def _stretches(centre: FloatArray) -> list[tuple[int, int]]:
+    """Return the first and the last level of each stretch in which the middle is known, short gaps apart."""
+    known = np.flatnonzero(np.isfinite(centre))
+    if not len(known):
+        return []
+    gaps = np.flatnonzero(np.diff(known) > GAP + 1)
+    return list(zip(known[[0, *(gaps + 1)]].tolist(), known[[*gaps, -1]].tolist(), strict=True))
 
 
 def _expected(candidate: Candidate, eps: FloatArray) -> tuple[float, FloatArray]:
     """Return f in the middle of a region without excitation, and by how much more it is expected to be at ``eps``."""
     name, exponents = candidate.name, candidate.home.exponents
     period = 2 * np.pi / name.centre
-    decay = exponents[candidate.p].real * exponents[candidate.q].real
-    growth = candidate.width * name.j / 4 * (eps / candidate.eps) ** name.j
+    conservative = candidate.home.block.symplectic or candidate.home.block.reversible
+    decay = 0.0 if conservative else exponents[candidate.p].real * exponents[candidate.q].real
+    growth = candidate.width * candidate.balance * name.j / 4 * (eps / candidate.eps) ** name.j
     return -float(decay) * period**2, (growth * period) ** 2
-
-
-def _block(system: PeriodicSystem, candidate: Candidate) -> Block:
-    """Return the block of a member of the family that the modes of a candidate belong to."""
-    wanted = candidate.home.block.K.diagonal()
-    same = [block for block in blocks(system) if len(block.K) == len(wanted)]
-    return min(same, key=lambda block: float(np.abs(block.K.diagonal() - wanted).max()))

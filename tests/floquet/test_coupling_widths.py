@@ -103,3 +103,14 @@ def test_a_third_mode_with_a_single_eigenvector(stiffness: float, damping: float
     assert widths(0.0)[1] == pytest.approx(0.3 / 4, rel=1e-2)  # Mathieu's, to first order: eps F_22 / omega
     if damping > 0:  # for a free mode the even tongues are those of three states
         assert widths(0.0) == pytest.approx(widths(1e-3), rel=1e-2)
+
+
+def test_unequal_damping_makes_a_combination_resonance_wider() -> None:
+    damping = (0.002, 0.018)
+    system = coupled_mathieu("sum", damping=damping)
+    (one,) = candidates(system, resonances(system, 2.6, 2.8)[:1], 0.1)
+    # Bolotin 1964: as both go to zero at a fixed ratio, the width stays this many times the undamped one
+    factor = sum(damping) / (2 * np.sqrt(np.prod(damping)))
+    assert one.balance == pytest.approx(1 / factor, rel=1e-3)
+    assert one.width == pytest.approx(factor * 0.1 / np.sqrt(1.7), rel=0.01)  # the next order is eps^2
+    assert candidates(coupled_mathieu("sum"), resonances(coupled_mathieu("sum"), 2.6, 2.8)[:1], 0.1)[0].balance == 1

@@ -68,6 +68,19 @@ def test_two_modes_that_lock_are_told_apart_afterwards() -> None:
 
 
 @pytest.mark.kernel
+@pytest.mark.parametrize("conservative", [True, False])
+def test_instability_by_another_number_says_nothing(conservative: bool) -> None:
+    # two modes grow together where their angles sum up to 4 pi: by j = 2; and one at 3 pi, by 2 omega_1 = 3 Omega
+    angle, growth, zero = np.array([[5.0, 4 * np.pi - 5.0]]), np.array([[0.1, -0.1]]), np.zeros((1, 2))
+    pair = Exponents(angle, growth - (not conservative) * 0.01, zero)
+    assert test_function(pair, 1, 0, 2, 1, conservative) > 0
+    assert np.isnan(test_function(pair, 1, 0, 1, 1, conservative))
+    single = Exponents(np.array([[3 * np.pi, 1.0]]), zero, np.array([[0.1, 0.0]]))
+    assert test_function(single, 0, 0, 3, 1, conservative) == pytest.approx(0.01)
+    assert np.isnan(test_function(single, 0, 0, 5, 1, conservative))
+
+
+@pytest.mark.kernel
 def test_damped_modes_cross_by_their_decay() -> None:
     angle = np.array([4.0, 4.5]) + EPS[:, None] ** 2 * [1.0, 0.0]
     modulus = np.zeros_like(angle) - [0.1, 0.9]

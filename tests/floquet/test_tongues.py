@@ -1,6 +1,8 @@
-"""Narrow regions between three columns: edges, tips, and nothing where there is nothing."""
+"""Narrow regions between the columns of a scan: edges, tips, and nothing where there is nothing."""
 
 from __future__ import annotations
+
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -8,21 +10,28 @@ from scipy.optimize import brentq
 from scipy.special import mathieu_a, mathieu_b
 
 from floquet import Kind, monodromy, trace_boundary
-from floquet.column import steps_needed
 from floquet.coupling import candidates
 from floquet.names import resonances
+from floquet.scanning import Scan
 from floquet.tongues import Tongue, trace_tongues
 from periodic import SystemFamily
 from periodic.examples import coupled_mathieu, mathieu
 from plate import MovingPlate
 
 
-def tongues_of(family: SystemFamily, Omega: tuple[float, float], eps: tuple[float, float]) -> dict[str, Tongue]:
+def stretches_of(family: SystemFamily, Omega: tuple[float, float], eps: tuple[float, float]) -> list[Tongue]:
+    """From columns a 32nd of a window apart that is wider than the range."""
     member = family.at(sum(Omega) / 2)
-    steps = steps_needed([member] * 2, np.array(Omega), np.linspace(0, eps[1], 64))
-    names = resonances(member, *Omega)
-    found = trace_tongues(family, candidates(member, names, eps[1]), eps, 0.5, steps, 1)
-    return {tongue.name.label: tongue for tongue in found}
+    low, high = 0.5 * Omega[0], 1.5 * Omega[1]
+    below = np.linspace(0.0, eps[0], 32, endpoint=False)[: 32 * (eps[0] > 0)]
+    scan = Scan(family, (low, high), np.concatenate([below, np.linspace(*eps, 80)]), 1)
+    scan.add(np.linspace(low, high, 33))
+    return trace_tongues(family, candidates(member, resonances(member, *Omega), eps[1]), scan, eps, 0.5, 1)
+
+
+def tongues_of(family: SystemFamily, Omega: tuple[float, float], eps: tuple[float, float]) -> dict[str, Tongue]:
+    """The lowest stretch of each region."""
+    return {tongue.name.label: tongue for tongue in stretches_of(family, Omega, eps)[::-1]}
 
 
 @pytest.mark.parametrize("order", [2, 3, 4, 5])
@@ -80,3 +89,52 @@ def test_resonances_without_a_region_have_no_tongue() -> None:
     labels = tongues_of(coupled_mathieu("sum"), (2.5, 2.9), (0.0, 0.1))
     assert set(labels) == {"ω₁+ω₂"}
     assert tongues_of(mathieu(damping=0.3), (0.5, 2.5), (0.0, 0.2)) == {}
+
+
+def test_a_combination_resonance_with_unequal_damping() -> None:
+    d, omega = np.array([0.0005, 0.008]), np.array([1.0, 1.7])
+    system = coupled_mathieu("sum", omega, damping=d)
+    tongue = tongues_of(system, (2.65, 2.75), (0.0, 0.1))["ω₁+ω₂"]
+    # to first order (Bolotin 1964): closed below eps = 2 sqrt(d1 d2 omega1 omega2), then half as wide as here
+    assert tongue.eps[0] == pytest.approx(2 * np.sqrt(d.prod() * omega.prod()), rel=0.02)
+    for eps in (0.03, 0.1):
+        half = d.sum() / 2 * np.sqrt(eps**2 / (4 * omega.prod() * d.prod()) - 1)
+        lower, upper = (np.interp(eps, tongue.eps, side) for side in (tongue.lower, tongue.upper))
+        assert (upper - lower) / 2 == pytest.approx(half, rel=0.02)
+        for inwards in (-0.1, 0.1):  # the middle is moved by terms with eps^2, which integration knows
+            for edge, sign in ((lower, 1), (upper, -1)):
+                kind = monodromy(system, edge + sign * inwards * half, eps).kind
+                assert (kind > Kind.STABLE) == (inwards > 0)
+
+
+def test_a_region_goes_on_where_another_one_was_in_its_way() -> None:
+    plate = MovingPlate(axial_terms=2, lateral_terms=3)
+    stretches = [one for one in stretches_of(plate, (33.0, 34.0), (0.0, 1.0)) if one.name.label == "(ω₂+ω₅)/2"]
+    assert len(stretches) > 1
+    for below, above in pairwise(stretches):
+        assert below.eps[-1] < above.eps[0]
+    for stretch in stretches:
+        lower, upper = (np.interp(stretch.witness[1], stretch.eps, side) for side in (stretch.lower, stretch.upper))
+        assert lower <= stretch.witness[0] <= upper
+        assert monodromy(plate, *stretch.witness).kind > Kind.STABLE
+
+
+def test_a_region_that_passes_a_column_between_two_levels_needs_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    # the seventh tongue moves from 2/7 by 0.003, 5e-5 from level to level, and is much narrower
+    scan = Scan(mathieu(), (0.2, 0.4), np.linspace(0, 0.4, 80), 1)
+    scan.add([*np.linspace(0.2, 0.4, 17), 0.2845])
+    some = [one for one in candidates(mathieu(), resonances(mathieu(), 0.28, 0.29), 0.4) if one.name.j == 7]
+
+    def none(*_: object) -> None:
+        raise AssertionError("a column was computed")
+
+    monkeypatch.setattr("floquet.tongues.multipliers", none)
+    (tongue,) = trace_tongues(mathieu(), some, scan, (0.0, 0.4), 0.02, 1)
+    assert tongue.witness[0] == 0.2845
+    assert monodromy(mathieu(), *tongue.witness).kind > Kind.STABLE
+    edges = sorted(
+        brentq(lambda Omega, side=side: 4 / Omega**2 - side(7, 0.8 / Omega**2), 0.27, 0.29, xtol=1e-16)
+        for side in (mathieu_a, mathieu_b)
+    )
+    # a cubic through columns 0.0125 apart
+    assert (tongue.lower[-1] + tongue.upper[-1]) / 2 == pytest.approx(sum(edges) / 2, abs=1e-5)

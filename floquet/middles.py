@@ -1,0 +1,104 @@
+"""Where a narrow region is at each amplitude, and how unstable, from a few columns beside it and in it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+# x falls with Omega as between modes of constant frequencies, but for this factor.
+STEEPNESS = 3.0
+# A node counts where it is inside the region, or that near to its middle, as part of the square of the half width.
+NEAR = 0.25
+# Frequencies that agree to this part of themselves are the same.
+SAME = 1e-9
+
+
+@njit(cache=True, nogil=True)
+def middles(Omega, f, apart, exact, height, most, centre, slope, close):  # type: ignore[no-untyped-def]
+    """Return for each level, as arrays (k,), where the middle of a region is, NaN where unknown; the square of its half
+    width, as part of f there; f there as the nearest node has it; the most that f can be there, since that node is
+    stable; the node, if it is inside the region, else -1; and whether it is near enough to count.
+
+    The middle is where x is zero, by a cubic through the nodes on both sides. x is Omega sqrt(height - f), with the
+    sign of ``apart``, or Omega apart / 2 where this is ``exact``: a straight line in Omega if the two modes have
+    constant frequencies.
+
+    Parameters
+    ----------
+    Omega, f, apart
+        Those of `Nodes`.
+    exact : bool
+        Whether ``apart`` is known inside the region, too.
+    height, most : ndarray, shape (k,)
+        f in the middle, as far as it is known; where it is more than ``most``, something else is unstable.
+    centre, slope, close : float
+        Where the resonance is, how x falls with Omega there, and how far a node on one side only may be.
+    """
+    count, levels = f.shape
+    place, square, top = np.full(levels, np.nan), np.zeros(levels), np.zeros(levels)
+    room = np.full(levels, np.inf)
+    inside, measured = np.full(levels, -1), np.zeros(levels, np.bool_)
+    x, chosen = np.empty(count), np.empty(count, np.intp)
+    last = centre
+    for k in range(levels):
+        known = 0
+        for c in range(count):
+            if np.isnan(f[c, k]) or abs(Omega[c] - centre) <= SAME * centre:
+                continue  # from the resonance itself two modes start as one: which is which is unknown
+            if exact or (apart[c, k] != 0.0 and f[c, k] < height[k]):
+                off = apart[c, k] / 2 if exact else np.sqrt(height[k] - f[c, k])
+                x[known] = np.copysign(Omega[c] * off, apart[c, k])
+                chosen[known] = c
+                known += 1
+        steepness = 0.0
+        for a in range(known - 1):
+            if x[a] >= 0.0 and x[a + 1] < 0.0:
+                first, second = Omega[chosen[a]], Omega[chosen[a + 1]]
+                rate = (x[a + 1] - x[a]) / (second - first)
+                if not slope * STEEPNESS < rate < slope / STEEPNESS:
+                    continue
+                found = _zero(Omega, chosen, x, known, a, rate)
+                if steepness == 0.0 or abs(found - last) < abs(place[k] - last):
+                    place[k], steepness = found, rate
+        if steepness == 0.0:  # known on one side only, but close
+            for a in range(known):
+                way = -x[a] / slope
+                if abs(way) < close and (steepness == 0.0 or abs(way) < abs(place[k] - Omega[chosen[a]])):
+                    place[k], steepness = Omega[chosen[a]] + way, slope
+        if steepness == 0.0:
+            continue
+        last = place[k]
+        nearest = -1
+        for c in range(count):
+            if not np.isnan(f[c, k]) and (nearest < 0 or abs(Omega[c] - last) < abs(Omega[nearest] - last)):
+                nearest = c
+        off = (steepness * (Omega[nearest] - last) / Omega[nearest]) ** 2
+        top[k], square[k] = f[nearest, k] + off, (last / steepness) ** 2
+        if f[nearest, k] <= 0.0:
+            room[k] = off
+        elif top[k] <= most[k]:
+            inside[k] = nearest
+        measured[k] = top[k] <= most[k] and (f[nearest, k] > 0.0 or off < NEAR * abs(height[k]))
+    return place, square, top, room, inside, measured
+
+
+@njit(cache=True, nogil=True)
+def _zero(Omega, chosen, x, known, a, rate):  # type: ignore[no-untyped-def]
+    """Return where x is zero between nodes a and a + 1 of the ``known`` ones."""
+    begin, end = a, a + 2
+    for step in (-1, 1):  # one more on each side, if it is no stranger
+        b = a - 1 if step < 0 else a + 2
+        if 0 <= b < known:
+            c = a if step < 0 else a + 1
+            beside = (x[b] - x[c]) / (Omega[chosen[b]] - Omega[chosen[c]])
+            if rate * STEEPNESS < beside < rate / STEEPNESS:
+                begin, end = min(begin, b), max(end, b + 1)
+    found = 0.0
+    for b in range(begin, end):
+        weight = 1.0
+        for c in range(begin, end):
+            if c != b:
+                weight *= x[c] / (x[c] - x[b])
+        found += weight * Omega[chosen[b]]
+    first, second = Omega[chosen[a]], Omega[chosen[a + 1]]
+    return found if first <= found <= second else first - x[a] / rate

@@ -1,0 +1,58 @@
+"""Narrow regions cut where they meet wide ones: nothing of them is lost, nothing is there twice."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquet import Region
+from floquet.branches import branches
+from floquet.names import Name
+from floquet.tongues import Tongue
+from periodic.checks import FloatArray
+
+NAME = Name(1, 1, 1, 1, 2.0)
+EPS = np.linspace(0.0, 1.0, 50)
+
+
+def tongue(half: FloatArray) -> Tongue:
+    return Tongue(NAME, EPS, 2.0 - half, 2.0 + half, (2.0, 0.25), True, 1)
+
+
+def right_of(line: float) -> object:
+    """A wide region to the right of a line that leans to the left: it passes Omega = 2 at eps = 0.5."""
+
+    def contains(Omega: FloatArray, eps: FloatArray) -> NDArray[np.bool_]:
+        return np.asarray(Omega > 2.0 + line * (0.5 - eps))
+
+    return contains
+
+
+def test_what_sticks_out_of_a_wide_region_stays() -> None:
+    one, wide = tongue(0.1 * EPS), right_of(0.3)
+    found = branches([one], [wide], (1.0, 3.0))  # type: ignore[list-item]
+    assert [branch.parent for branch in found] == [0, 0]
+    region = Region(tuple(branch.loop for branch in found), (NAME,), (2.0, 0.0), (2.0, 0.25))
+    Omega, eps = np.random.default_rng(0).uniform([[1.8], [0.0]], [[2.2], [1.0]], (2, 4000))
+    outside = ~wide(Omega, eps)  # type: ignore[operator]
+    inside = np.abs(Omega - 2.0) < 0.1 * eps
+    middle_outside = eps < 0.5
+    # the corners are a 63rd of the height apart, and on the way from the middle to an edge a sixteenth
+    clear = (np.abs(np.abs(Omega - 2.0) - 0.1 * eps) > 0.01) & (np.abs(Omega - 2.0 - 0.3 * (0.5 - eps)) > 0.02)
+    covered = region.contains(Omega, eps)
+    some = clear & outside
+    np.testing.assert_array_equal(covered[some], inside[some])
+    assert not covered[clear & ~outside & ~middle_outside].any()
+
+
+def test_a_region_beside_a_wide_one_is_whole() -> None:
+    (branch,) = branches([tongue(0.01 * EPS)], [lambda Omega, eps: Omega > 2.5], (1.0, 3.0))
+    assert branch.parent is None
+    assert branch.loop.eps.max() == 1.0
+    assert 0.25 in branch.loop.eps  # the level of the witness is a corner
+
+
+def test_branches_that_cross_are_inside_where_they_do() -> None:
+    found = branches([tongue(0.1 * EPS), tongue(0.05 * EPS)], [], (1.0, 3.0))
+    region = Region(tuple(branch.loop for branch in found), (NAME,), (2.0, 0.0), (2.0, 0.25))
+    assert region.contains([2.0, 2.07], [0.9, 0.9]).all()

@@ -1,0 +1,59 @@
+"""The middle of a region from columns beside it: exact for modes of constant frequencies, unknown among strangers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from floquet.middles import middles
+from periodic.checks import FloatArray
+
+OMEGA = np.array([9.0, 9.8, 10.0, 10.2, 11.0])
+SLOPE = -np.pi
+
+
+def measures(centre: float, height: float) -> tuple[FloatArray, FloatArray]:
+    """f and apart of two modes of constant frequencies, (columns, 1); inside the region both have one angle."""
+    x = SLOPE * (OMEGA - centre) / OMEGA
+    f = height - x**2
+    apart = np.where(f > 0, 0.0, 2 * np.sign(x) * np.sqrt(np.maximum(-f, 0)))
+    return f[:, None], apart[:, None]
+
+
+@pytest.mark.kernel
+@pytest.mark.parametrize(("height", "inside"), [(1e-6, -1), (1e-3, 2)])
+def test_the_middle_is_exact_for_constant_frequencies(height: float, inside: int) -> None:
+    f, apart = measures(10.03, height)
+    known = np.array([height])
+    place, square, top, room, met, measured = middles(OMEGA, f, apart, False, known, 16 * known, 10.1, SLOPE, 0.1)
+    assert place[0] == pytest.approx(10.03, rel=1e-9)
+    assert np.sqrt(square[0] * height) == pytest.approx(np.sqrt(height) * 10.03 / np.pi, rel=1e-3)
+    assert top[0] == pytest.approx(height, rel=1e-3)
+    assert met[0] == inside
+    assert measured[0] == (inside >= 0)
+    # the region ends before the nearest column if that is stable
+    assert room[0] == (pytest.approx((np.pi * 0.03 / 10) ** 2, rel=1e-3) if inside < 0 else np.inf)
+
+
+@pytest.mark.kernel
+def test_a_column_that_is_unstable_by_something_else_is_not_inside() -> None:
+    f, apart = measures(10.03, 1e-6)
+    f[2] = 1e-2
+    place, _, _, _, met, measured = middles(
+        OMEGA, f, apart, False, np.array([1e-6]), np.array([16e-6]), 10.1, SLOPE, 0.1
+    )
+    assert place[0] == pytest.approx(10.03, rel=1e-3)
+    assert met[0] == -1
+    assert not measured[0]
+
+
+@pytest.mark.kernel
+def test_columns_of_other_modes_say_nothing() -> None:
+    f, apart = measures(10.03, 1e-6)
+    args = (False, np.array([1e-6]), np.array([16e-6]), 10.1, SLOPE, 0.01)
+    assert np.isnan(middles(OMEGA, 30 * f, apart, *args)[0][0])
+    assert np.isnan(middles(OMEGA, f, np.abs(apart), *args)[0][0])
+    assert np.isnan(middles(OMEGA, np.full_like(f, np.nan), apart, *args)[0][0])
+    # but one that is close to the region says where it is, without a column on the other side
+    close = (*args[:-1], 0.05)
+    assert middles(OMEGA[:3], f[:3], apart[:3], *close)[0][0] == pytest.approx(10.03, rel=1e-9)
