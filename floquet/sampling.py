@@ -94,8 +94,8 @@ class Sampler:
             return None
         scale = unit_scale(1)
         samples = self._sample(plan.schedule, _largest(eps), L, scale)
-        norms, contrast = _norms(samples, plan.weights)
-        if not contrast <= MOST_CONTRAST:
+        norms, alike = _norms(samples, plan.weights)
+        if not alike:
             return None
         scale = Scale(*(np.full(len(eps), part[0]) for part in scale))
         return Panel(slice(0), samples, plan.weights, scale, norms[: len(eps)])
@@ -199,9 +199,9 @@ def _largest(eps: FloatArray) -> float:
 
 
 @njit(cache=True, nogil=True)
-def _norms(samples: FloatArray, weights: FloatArray) -> tuple[FloatArray, float]:
-    """Return the norms of combinations of ``samples`` with weights as in `Panel`, 1 for a rotation, and the ratio of
-    the largest to the smallest norm of a sample."""
+def _norms(samples: FloatArray, weights: FloatArray) -> tuple[FloatArray, bool]:
+    """Return the norms of combinations of ``samples`` with weights as in `Panel`, 1 for a rotation, and whether the
+    samples themselves are of about the same size."""
     m, N = samples.shape[0], samples.shape[1]
     flat = samples.reshape(m, N * N)
     squares = np.dot(flat, flat.T) / N
@@ -210,7 +210,7 @@ def _norms(samples: FloatArray, weights: FloatArray) -> tuple[FloatArray, float]
         found = (weights[g] * np.dot(squares, weights[g])).sum(axis=0)
         norms[g * found.size : (g + 1) * found.size] = np.sqrt(np.maximum(found, 0.0))
     sizes = np.diag(squares)
-    return norms, np.sqrt(sizes.max() / sizes.min())
+    return norms, sizes.max() <= MOST_CONTRAST**2 * sizes.min()
 
 
 def in_lanes(weights: FloatArray) -> FloatArray:

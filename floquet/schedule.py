@@ -37,7 +37,7 @@ CHOSEN = 1e-14
 # Samples at different phases may differ in size by the exponential of twice this; interpolating between more than that
 # would lose the small ones to the rounding of the large.
 MOST_GROWTH = 3.0
-# Factors of one period, at most, between which cancellation is looked for; fewer are too short for much of it.
+# Cancellation is looked for between factors that are so many or fewer in a period; shorter ones have little of it.
 FEW_FACTORS = 8
 # Points, at most, among which samples are chosen; of more than that, and where there are several harmonics, a grid.
 MOST_WANTED = 512
