@@ -178,8 +178,9 @@ def stability_chart(
 
     Notes
     -----
-    docs/engine.md explains the method. A worker needs about 0.2 GB at most besides its results, and all of them 0.2 GB more
-    for what they share, most charts a hundredth of that; the chart itself 33 bytes a cell. docs/scale.md says what large charts cost.
+    docs/engine.md explains the method. A worker needs about 0.2 GB at most besides its results, and all of them 0.2 GB
+    more for what they share, most charts a hundredth of that; the chart itself 33 bytes a cell. docs/scale.md says what
+    large charts cost.
     """
     Omega, eps = grid("Omega", Omega, positive=True), grid("eps", eps)
     member_at(family, float(Omega[0]), "family")
