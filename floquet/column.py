@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from floquet.coordinates import Block, blocks, equations
 from floquet.krein import held_apart
 from floquet.multipliers import Kind
-from floquet.sampling import Sampler, Workspace
+from floquet.sampling import Sampler, Workspace, largest_amplitude
 from floquet.schedule import TOLERANCE
 from floquet.spectra import eigenvalues
 from floquet.symplectic import reciprocal_pairs, symplectic_eigenvalues
@@ -204,7 +204,7 @@ def _needed_steps(block: Block, Omega: float, eps: FloatArray, work: Workspace) 
 
 def fastest(block: Block, Omega: float, eps: FloatArray) -> float:
     """Return the rate of the fastest motion: of the system at its stiffest, or of the excitation."""
-    return max(math.sqrt(block.rate**2 + np.abs(eps).max() * block.modulation), len(block.Fc) * Omega)
+    return max(math.sqrt(block.rate**2 + largest_amplitude(eps) * block.modulation), len(block.Fc) * Omega)
 
 
 def least_frequency(Omega: float) -> float:
@@ -223,7 +223,7 @@ def log2_steps(block: Block, Omega: float, eps: FloatArray, steps_a_cycle: float
     cycles = fastest(block, Omega, eps) / Omega
     if not LEAST_STEPS * cycles <= 2.0**MOST_DOUBLINGS:
         raise ValueError(
-            f"Omega = {Omega!r} with eps up to {float(np.abs(eps).max())!r}: one period has {cycles:.2g} cycles of the "
+            f"Omega = {Omega!r} with eps up to {largest_amplitude(eps)!r}: one period has {cycles:.2g} cycles of the "
             "fastest motion, too many to integrate; give a larger Omega or a smaller eps"
         )
     return min(math.ceil(math.log2(steps_a_cycle * cycles)), MOST_DOUBLINGS)

@@ -93,7 +93,7 @@ class Sampler:
         if plan is None:
             return None
         scale = unit_scale(1)
-        samples = self._sample(plan.schedule, _largest(eps), L, scale)
+        samples = self._sample(plan.schedule, largest_amplitude(eps), L, scale)
         norms, alike = _norms(samples, plan.weights)
         if not alike:
             return None
@@ -104,14 +104,14 @@ class Sampler:
         """Return how the monodromy matrices at ``eps`` are interpolated, from 2^L steps a period; None if that takes
         too many samples."""
         rate = sum(self.equations.strength) * self.period
-        x = growth(self.equations.strength, self.period * _largest(eps))
+        x = growth(self.equations.strength, self.period * largest_amplitude(eps))
         across = quantised(rate * (float(eps[-1]) - float(eps[0])) / 2)
         return _interpolation(x, across, eps.tobytes(), L, tolerance, MOST_ENTRIES // self.size**2)
 
     def _direct(self, eps: FloatArray, L: int, tolerance: float) -> Panel | None:
         """Return a panel with samples at the amplitudes themselves; None if they are several and need too much
         memory."""
-        largest = float(np.abs(eps).max())
+        largest = largest_amplitude(eps)
         x = growth(self.equations.strength, self.period * largest)
         stop, B, phases = 0, 2**L, phase_count(2**L, x, tolerance)
         while stop < L:
@@ -133,12 +133,10 @@ class Sampler:
 
     def _sample(self, plan: Schedule, largest: float, L: int, scale: Scale) -> FloatArray:
         """Return the samples at the end of a schedule, given the largest amplitude."""
-        N, work = self.size, self.work.arrays(plan.most * self.size**2)
+        work = self.work.arrays(plan.most * self.size**2)
         A, left, right, _ = self.equations
-        P = work[0][: len(plan.theta) * N * N].reshape(-1, N, N)
         h = self.period / 2**L
-        single_steps(A, self.block.Fc, self.block.Fs, left, right, h, plan.theta, largest * plan.eps, P)
-        return doublings(N, plan, scale, work)
+        return _samples(A, self.block.Fc, self.block.Fs, left, right, h, largest, plan, scale, work)
 
     def _ordered_product(self, P: FloatArray, B: int, growth: float, scale: Scale) -> tuple[FloatArray, Scale]:
         """Return the product of the B factors P(2 pi b / B), b = 0 ... B - 1, of one amplitude, a part at a time, given
@@ -193,9 +191,28 @@ def _interpolation(
     return Interpolation(plan, in_lanes(chebyshev_weights(nodes, (eps - middle) / radius)))
 
 
-def _largest(eps: FloatArray) -> float:
+def largest_amplitude(eps: FloatArray) -> float:
     """Return the largest modulus of increasing amplitudes."""
     return max(abs(float(eps[0])), abs(float(eps[-1])))
+
+
+@njit(cache=True, nogil=True)
+def _samples(
+    A: FloatArray,
+    Fc: FloatArray,
+    Fs: FloatArray,
+    left: FloatArray,
+    right: FloatArray,
+    h: float,
+    largest: float,
+    plan: Schedule,
+    scale: Scale,
+    work: tuple[FloatArray, FloatArray],
+) -> FloatArray:
+    """Return what `doublings` makes of `single_steps`: one call, since calls take as long as the work for small N."""
+    N, s = A.shape[0], plan.theta.size
+    single_steps(A, Fc, Fs, left, right, h, plan.theta, largest * plan.eps, work[0][: s * N * N].reshape(s, N, N))
+    return doublings(N, plan, scale, work)
 
 
 @njit(cache=True, nogil=True)

@@ -70,6 +70,8 @@ class Schedule(NamedTuple):
         Whether the products after the doubling are a grid.
     watched : bool ndarray, shape (levels,)
         Whether to look for cancellation.
+    most : int
+        The largest number of matrices in one array.
     """
 
     theta: FloatArray
@@ -82,16 +84,12 @@ class Schedule(NamedTuple):
     pairs: NDArray[np.int64]
     grid: NDArray[np.bool_]
     watched: NDArray[np.bool_]
+    most: int
 
     @property
     def sizes(self) -> NDArray[np.int64]:
         """How many products are sampled before the first doubling and after each, (levels + 1,)."""
         return self.phases * self.nodes
-
-    @property
-    def most(self) -> int:
-        """The largest number of matrices in one array."""
-        return int(max(self.sizes.max(), ((self.phases[:-1] + self.others) * self.groups).max(initial=0)))
 
 
 class _Doubling(NamedTuple):
@@ -106,6 +104,11 @@ class _Doubling(NamedTuple):
     to_others: FloatArray
     pairs: NDArray[np.int64]
     watched: bool
+
+    @property
+    def matrices(self) -> int:
+        """How many are in use at a time."""
+        return (self.phases + len(self.to_others)) * self.groups
 
 
 def quantised(x: float) -> float:
@@ -166,6 +169,7 @@ def schedule(
         np.concatenate([np.empty(0, np.int64), *(step.pairs for step in steps)]),
         np.array(grid[:-1][::-1], bool),
         np.array([step.watched for step in steps], bool),
+        max([end[0] * end[1], *(len(step.eps) for step in steps), *(step.matrices for step in steps)]),
     )
 
 
