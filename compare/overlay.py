@@ -150,7 +150,12 @@ def region_panels(layers: Sequence[Layer], *, title: str = "") -> Figure:
             alone = len(layers) == 1
             for curve, trace, colour, width in shown:
                 draw_traces(axes, [trace], "black" if alone else colour, width, fill=True)
-                draw_curves(axes, [curve], trace.eps[-1], ORANGE if alone else "black", LINE_WIDTH if alone else 0.9)
+                if alone:
+                    draw_curves(axes, [curve], trace.eps[-1], ORANGE, LINE_WIDTH)
+                elif trace.is_open.any():
+                    draw_curves(axes, [curve], trace.eps[-1], "black", 0.9)
+                else:  # nothing of its own colour to lie on
+                    draw_curves(axes, [curve], trace.eps[-1], colour, width)
             _frame_region(axes, [(curve, trace) for curve, trace, *_ in shown])
             axes.set_title(f"({chr(ord('a') + index)})  {shown[0][0].label}", loc="left")
             axes.set_xlabel("Ω")

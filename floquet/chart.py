@@ -127,7 +127,8 @@ class StabilityChart:
         try:
             import xarray
         except ImportError:
-            raise ImportError("to_xarray needs the package xarray; install it with: pip install xarray") from None
+            message = "to_xarray needs the package xarray; install it with: pip install 'floquet-charts[xarray]'"
+            raise ImportError(message) from None
         cells = {name: (("eps", "Omega"), getattr(self, name)) for name in CELLS}
         return xarray.Dataset(cells, coords={"Omega": self.Omega, "eps": self.eps})
 

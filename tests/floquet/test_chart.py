@@ -280,7 +280,7 @@ def test_paths_are_checked(example, path):
 
 def test_without_xarray(example, monkeypatch):
     monkeypatch.setitem(sys.modules, "xarray", None)  # as if it were not installed
-    with pytest.raises(ImportError, match="pip install xarray"):
+    with pytest.raises(ImportError, match=r"floquet-charts\[xarray\]"):
         example.to_xarray()
 
 
