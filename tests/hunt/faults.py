@@ -309,6 +309,7 @@ FAULTS = (
         "np.dot(P[end], P[begin], result[i])",
         "np.dot(P[begin], P[end], result[i])",
         DOUBLING,
+        True,
     ),
     Fault(
         "samples chosen for half of the excitation",

@@ -19,7 +19,7 @@ from floquet import StabilityChart
 from floquet_scripts import explore, validate
 from periodic.examples import coupled_mathieu, mathieu
 
-COLUMNS, BLOCKS = 320, 40
+COLUMNS, BLOCKS = 640, 40
 CHART = ("--Omega", "0.7", "5.0", "--eps", "1.0", "--points", str(COLUMNS), "12", "--no-regions", "--no-progress")
 NAMES = ("growth_rate", "multiplier", "kind", "error")
 
