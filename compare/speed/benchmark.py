@@ -32,6 +32,8 @@ CRITERIA = ("largest", "all")
 REFERENCE_ERROR = 1e-10
 TERMS = {12: (3, 4), 28: (4, 7), 60: (6, 10)}
 DAMPING = 1e-3
+# Without zeros heyoka takes seconds a point for more coordinates than this.
+MOST_MIXED = 28
 
 
 @dataclass(frozen=True)
@@ -126,9 +128,10 @@ def _compared(plan: Plan, size: int, damping: float, rounds: int, peers: Sequenc
     reasons: dict[tuple[str, str], str] = {}
     for peer in peers:
         for criterion in CRITERIA:
-            found = None if peer.missing else cheapest(peer, family, samples, criterion)
+            reason = peer.missing or (f"n > {MOST_MIXED}" if peer.mixed and size > MOST_MIXED else "")
+            found = None if reason else cheapest(peer, family, samples, criterion)
             if found is None:
-                reasons[peer.name, criterion] = peer.missing or f"no setting reached {ACCURACY:g}"
+                reasons[peer.name, criterion] = reason or f"no setting reached {ACCURACY:g}"
             else:
                 ready[peer.name, criterion] = found
 
