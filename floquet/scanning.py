@@ -14,7 +14,7 @@ from floquet.coordinates import Block, blocks, equations
 from floquet.exponents import ROUNDING, Exponents, edge, modes_symplectic
 from floquet.exponents import modes as modes_general
 from floquet.multipliers import Kind
-from floquet.outline import Column, Interval, links
+from floquet.outline import Column, Interval, Place, links
 from floquet.parallel import spread
 from floquet.sampling import Sampler, Workspace
 from floquet.verdict import dominant, dominant_symplectic, judge
@@ -33,6 +33,10 @@ FINEST = 0.5
 ONE_SIDED = 0.25
 # A column is placed no nearer to another one than this part of the slab.
 NOT_NEARER = 0.05
+# A column that is to tell where an interval ends is placed this part of the way to where it is expected to.
+MOST_OF_WAY = 0.7
+# Columns on each side of a slab that decide, beyond its own two, whether it needs another one.
+SEEN = 2
 # Enough columns to hide joblib's overhead, few enough to balance the load.
 COLUMNS_A_TASK = 8
 
@@ -88,11 +92,19 @@ class Scan:
         from the straight line, as part of them. Above eps = ``bottom`` is what will be seen.
         """
         finest = FINEST * tolerance * units[0]
+        settled: set[tuple[float, ...]] = set()
         while True:
             Omega, columns = self.ordered()
             slabs = _Slabs(Omega, columns, units, bottom, tolerance, finest)
-            wide = np.flatnonzero(np.diff(Omega) > 1.5 * finest).tolist()
-            if not self.add(place for c in wide for place in slabs.place(c)):
+            new: list[float] = []
+            for c in np.flatnonzero(np.diff(Omega) > 1.5 * finest).tolist():
+                around = tuple(Omega[max(c - SEEN, 0) : c + SEEN + 2].tolist())
+                if around not in settled:  # a slab is looked at again when a column near it is new
+                    places = slabs.place(c)
+                    new += places
+                    if not places:
+                        settled.add(around)
+            if not self.add(new):
                 return
 
 
@@ -122,10 +134,24 @@ class _Slabs:
         if ends and all(self._is_alone(c, i) for i in ends) and not begins:
             return [self.Omega[c] + self.finest]
         if ends or (begins and not all(self._is_alone(c + 1, k) for k in begins)):
-            return [(self.Omega[c] + self.Omega[c + 1]) / 2]
+            return self._towards_ends(c, ends, begins)
         if len(set(left)) < len(left) or len(set(right)) < len(right) or self._bends(c):
             return [(self.Omega[c] + self.Omega[c + 1]) / 2]
         return self._appearances(c)
+
+    def _towards_ends(self, c: int, ends: Sequence[int], begins: Sequence[int]) -> list[float]:
+        """Return where to place columns in slab ``c``, in which intervals end or begin: most of the way to where they
+        are expected to, if that is near for all of them, else in the middle."""
+        half = (self.Omega[c + 1] - self.Omega[c]) / 2
+        places = []
+        for column, step, some in ((c, 1, ends), (c + 1, -1, begins)):
+            for i in some:
+                chain = self._chain(column, i, step, 2)
+                way = MOST_OF_WAY * _way(*self._sides(chain)) * self.units[0] if len(chain) == 2 else np.inf
+                if not way < half:
+                    return [self.Omega[c] + half]
+                places.append(self.Omega[column] + step * max(way, self.finest))
+        return places
 
     def _appearances(self, c: int) -> list[float]:
         """Return where edges go through the bottom of the window, far from both columns."""
@@ -155,29 +181,34 @@ class _Slabs:
     def _is_foreseen(self, c: int, i: int, step: int) -> bool:
         """Whether the edges of an interval meet before column c + step if they go on from the last columns, with a
         curvature that moves the place by less than the tolerance: most of all, an edge meets that of the window."""
-        places = [c]
-        chain = [i]
-        for _ in range(2):
-            a = places[-1] - step
-            if not 0 <= a < len(self.columns):
-                return False
-            pairs = self.links[min(a, places[-1])]
-            inner = [k if step < 0 else j for j, k in pairs if (j if step < 0 else k) == chain[-1]]
-            if len(inner) != 1:
-                return False
-            places.append(a)
-            chain.append(inner[0])
-        x = np.abs(self.Omega[places] - self.Omega[c]) / self.units[0]
-        y = np.array([self.columns[a][k][:2] for a, k in zip(places, chain, strict=True)]) / self.units[1]
-        width = y[:, 1] - y[:, 0]
-        if not width[1] > width[0]:
+        chain = self._chain(c, i, step, 3)
+        if len(chain) < 3:
             return False
-        way = width[0] * x[1] / (width[1] - width[0])
+        x, y = self._sides(chain)
+        way = _way(x, y)
         if way > abs(self.Omega[c + step] - self.Omega[c]) / self.units[0]:
             return False
         slope = np.diff(y, axis=0) / np.diff(x)[:, None]
         off = np.abs(slope[1] - slope[0]) / x[2] * way * (way + x[1])
         return bool((off <= self.tolerance * np.hypot(1, slope[0])).all())
+
+    def _chain(self, c: int, i: int, step: int, count: int) -> list[Place]:
+        """Return an interval and those before it, on the way to column c + step: ``count`` of them, or fewer if one is
+        linked to none or several."""
+        chain = [(c, i)]
+        while len(chain) < count and 0 <= chain[-1][0] - step < len(self.columns):
+            last, number = chain[-1]
+            pairs = self.links[min(last - step, last)]
+            inner = [k if step < 0 else j for j, k in pairs if (j if step < 0 else k) == number]
+            if len(inner) != 1:
+                break
+            chain.append((last - step, inner[0]))
+        return chain
+
+    def _sides(self, chain: Sequence[Place]) -> tuple[FloatArray, FloatArray]:
+        """Return how far the intervals of a chain are from its first one, (k,), and both ends of each, (k, 2)."""
+        x = np.abs(self.Omega[[c for c, _ in chain]] - self.Omega[chain[0][0]]) / self.units[0]
+        return x, np.array([self.columns[c][i][:2] for c, i in chain]) / self.units[1]
 
     def _bends(self, c: int) -> bool:
         """Whether an edge that goes through slab ``c`` is further from a straight line than the tolerance."""
@@ -208,6 +239,12 @@ class _Slabs:
         return False
 
 
+def _way(x: FloatArray, y: FloatArray) -> float:
+    """Return how far from the first interval of a chain its edges meet, if they go on straight; infinite if nowhere."""
+    width = y[:, 1] - y[:, 0]
+    return float(width[0] * x[1] / (width[1] - width[0])) if width[1] > width[0] else np.inf
+
+
 def _intervals(
     systems: Sequence[PeriodicSystem], Omega: Sequence[float], eps: FloatArray, steps: float
 ) -> list[list[tuple[Column, Modes]]]:
@@ -235,11 +272,8 @@ def _of_block(block: Block, Omega: float, eps: FloatArray, steps: float, work: W
     unstable = kind > Kind.STABLE
     if conservative:  # next to an edge it is too weak to be judged, but seen
         unstable = _with_neighbours(unstable, (np.abs(modes.modulus) + modes.split).max(axis=1) > ROUNDING)
-    unstable = np.concatenate([[False], unstable, [False]])
-    starts = np.flatnonzero(~unstable[:-1] & unstable[1:]).tolist()
-    stops = (np.flatnonzero(unstable[:-1] & ~unstable[1:]) - 1).tolist()
     column = []
-    for first, last in zip(starts, stops, strict=True):
+    for first, last in _runs(unstable):
         low, high = eps[first], eps[last]
         if first > 0:
             low = edge(modes, eps, first - 1, first, min(first + 1, last), conservative)
@@ -250,11 +284,25 @@ def _of_block(block: Block, Omega: float, eps: FloatArray, steps: float, work: W
     return column, Modes(block, modes)
 
 
+def _runs(true: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Return the first and the last place of each run of true ones."""
+    found, start = [], -1
+    for i, one in enumerate([*true.tolist(), False]):
+        if one and start < 0:
+            start = i
+        elif start >= 0 and not one:
+            found.append((start, i - 1))
+            start = -1
+    return found
+
+
 def _with_neighbours(sure: NDArray[np.bool_], likely: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Return the runs of likely cells that touch a sure one, and the sure ones."""
     either = sure | likely
-    run = np.cumsum(np.diff(either, prepend=False))
-    return either & np.isin(run, run[sure])
+    for first, last in _runs(either):
+        if not sure[first : last + 1].any():
+            either[first : last + 1] = False
+    return either
 
 
 def union(columns: Sequence[Column]) -> Column:
