@@ -69,35 +69,36 @@ class Nodes(NamedTuple):
 
 def scan_nodes(candidates: Sequence[Candidate], scan: Scan) -> Iterator[Nodes]:
     """Yield what the columns of a scan say about each candidate."""
-    Omega = np.array(sorted(scan.modes))
-    unstable = np.zeros((len(Omega), len(scan.eps)), dtype=bool)
-    for row, w in zip(unstable, Omega.tolist(), strict=True):
-        for interval in scan.columns.get(w, []):
-            row |= (scan.eps >= interval.low) & (scan.eps <= interval.high)
-    both = unstable[1:] & unstable[:-1]
-    none = np.zeros((1, len(scan.eps)), dtype=bool)
-    met = np.concatenate([both, none]) | np.concatenate([none, both])
-    homes = {id(one.home): one.home for one in candidates}
-    known = {number: _followed(scan, home, Omega) for number, home in homes.items()}
+    known = {number: _followed(scan, home) for number, home in {id(one.home): one.home for one in candidates}.items()}
     for one in candidates:
+        Omega, unstable, modes = known[id(one.home)]
+        both = unstable[1:] & unstable[:-1]
+        none = np.zeros((1, len(scan.eps)), dtype=bool)
+        met = np.concatenate([both, none]) | np.concatenate([none, both])
         reach = AWAY * (Omega[-1] - Omega[0])
         first = int(np.searchsorted(Omega, one.name.centre - reach))
         last = int(np.searchsorted(Omega, one.name.centre + reach, side="right"))
         near = slice(first, last)
-        near = _beside(Exponents(*(part[near] for part in known[id(one.home)])), one, Omega[near], first)
-        f, apart = _measures(Exponents(*(part[near] for part in known[id(one.home)])), one)
+        near = _beside(Exponents(*(part[near] for part in modes)), one, Omega[near], first)
+        f, apart = _measures(Exponents(*(part[near] for part in modes)), one)
         f[met[near] & (f > 0)] = np.nan  # unstable by whatever the wide region is from
         yield Nodes(Omega[near], f, apart, Wide(Omega[near], both[near.start : near.stop - 1]))
 
 
-def _followed(scan: Scan, home: Home, Omega: FloatArray) -> Exponents:
-    """Return the modes of a home in all columns of a scan, arrays (columns, k, n)."""
-    columns = []
-    for w in Omega.tolist():
-        modes = scan.modes[w]
-        column = modes[home_of([each.block for each in modes], home)]
+def _followed(scan: Scan, home: Home) -> tuple[FloatArray, NDArray[np.bool_], Exponents]:
+    """Return the columns of a scan in which a home was looked at, where they are unstable (columns, k), and the modes
+    of the home, arrays (columns, k, n)."""
+    number = home_of([one.block for one in next(iter(scan.modes.values())).values()], home)
+    Omega, unstable, columns = [], [], []
+    for w in sorted(scan.modes):
+        column = scan.modes[w].get(number)
+        if column is None:
+            continue
+        rows = [(scan.eps >= one.low) & (scan.eps <= one.high) for one in scan.columns.get(w, [])]
+        Omega.append(w)
+        unstable.append(np.any(rows, axis=0) if rows else np.zeros(len(scan.eps), dtype=bool))
         columns.append(followed(column, home, w, scan.eps))
-    return Exponents(*(np.array(part) for part in zip(*columns, strict=True)))
+    return np.array(Omega), np.array(unstable), Exponents(*(np.array(part) for part in zip(*columns, strict=True)))
 
 
 def home_of(blocks: Sequence[Block], home: Home) -> int:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -49,7 +49,11 @@ class Modes(NamedTuple):
 
 
 class Scan:
-    """Columns of a family over a range of eps, computed when asked for and kept, each with the modes of its blocks."""
+    """Columns of a family over a range of eps, computed when asked for and kept.
+
+    ``modes`` has those of the blocks of a column by their numbers, ``quiet`` the numbers of its blocks that are stable
+    at all amplitudes, or are not looked at.
+    """
 
     def __init__(self, family: SystemFamily, Omega_range: tuple[float, float], eps: FloatArray, n_jobs: Any) -> None:
         self.family, self.window, self.eps = family, Omega_range, eps
@@ -57,21 +61,34 @@ class Scan:
         self.steps = max(FEWER * steps_needed([family.at(float(w)) for w in few], few, eps), LEAST_STEPS)
         self.n_jobs = n_jobs
         self.columns: dict[float, Column] = {}
-        self.modes: dict[float, list[Modes]] = {}
+        self.modes: dict[float, dict[int, Modes]] = {}
+        self.quiet: dict[float, frozenset[int]] = {}
 
-    def add(self, Omega: Iterable[float]) -> int:
+    def add(self, Omega: Iterable[float], spared: Mapping[float, frozenset[int]] | None = None) -> int:
         """Compute the columns at ``Omega`` that are new; return how many.
 
-        Of those outside the window only the modes are kept.
+        Of those outside the window only the modes are kept. ``spared`` has the numbers of blocks of a column that need
+        not be looked at.
         """
         new = sorted({float(w) for w in Omega} - self.modes.keys())
         batches = [new[i : i + COLUMNS_A_TASK] for i in range(0, len(new), COLUMNS_A_TASK)]
-        tasks = (([self.family.at(w) for w in batch], batch, self.eps, self.steps) for batch in batches)
+        none: frozenset[int] = frozenset()
+        tasks = (
+            (
+                [self.family.at(w) for w in batch],
+                batch,
+                self.eps,
+                self.steps,
+                [(spared or {}).get(w, none) for w in batch],
+            )
+            for batch in batches
+        )
         for i, found in spread(_intervals, tasks, self.n_jobs):
             for w, parts in zip(batches[i], found, strict=True):
-                self.modes[w] = [modes for _, modes in parts]
+                self.modes[w] = {number: part[1] for number, part in enumerate(parts) if part is not None}
+                self.quiet[w] = frozenset(n for n, part in enumerate(parts) if part is None or not part[0])
                 if self.window[0] <= w <= self.window[1]:
-                    self.columns[w] = union([column for column, _ in parts])
+                    self.columns[w] = union([part[0] for part in parts if part is not None])
         return len(new)
 
     def ordered(self) -> tuple[FloatArray, list[Column]]:
@@ -82,11 +99,13 @@ class Scan:
     def most_unstable(self, Omega: float, eps: float) -> int:
         """Return the number of modes of the block that is most unstable at ``eps`` in the column at ``Omega``."""
         level = int(np.abs(self.eps - eps).argmin())
-        growth = [(found.modulus + found.split)[level].max() for _, found in self.modes[Omega]]
-        return len(self.modes[Omega][int(np.argmax(growth))].block.K)
+        modes = self.modes[Omega].values()
+        return max(((found.modulus + found.split)[level].max(), len(block.K)) for block, found in modes)[1]
 
     def refine(self, units: tuple[float, float], bottom: float, tolerance: float) -> None:
         """Halve the slabs between columns until straight lines describe the edges.
+
+        In a slab, blocks that are stable on both sides are spared.
 
         ``units`` are the ranges of Omega and eps that count alike; ``tolerance`` is the largest distance of an edge
         from the straight line, as part of them. Above eps = ``bottom`` is what will be seen.
@@ -96,15 +115,16 @@ class Scan:
         while True:
             Omega, columns = self.ordered()
             slabs = _Slabs(Omega, columns, units, bottom, tolerance, finest)
-            new: list[float] = []
+            new: dict[float, frozenset[int]] = {}
             for c in np.flatnonzero(np.diff(Omega) > 1.5 * finest).tolist():
                 around = tuple(Omega[max(c - SEEN, 0) : c + SEEN + 2].tolist())
                 if around not in settled:  # a slab is looked at again when a column near it is new
                     places = slabs.place(c)
-                    new += places
+                    quiet = self.quiet[float(Omega[c])] & self.quiet[float(Omega[c + 1])]
+                    new |= {float(place): quiet for place in places}
                     if not places:
                         settled.add(around)
-            if not self.add(new):
+            if not self.add(new, new):
                 return
 
 
@@ -246,13 +266,20 @@ def _way(x: FloatArray, y: FloatArray) -> float:
 
 
 def _intervals(
-    systems: Sequence[PeriodicSystem], Omega: Sequence[float], eps: FloatArray, steps: float
-) -> list[list[tuple[Column, Modes]]]:
-    """Return the unstable intervals and the modes of the blocks of some columns."""
+    systems: Sequence[PeriodicSystem],
+    Omega: Sequence[float],
+    eps: FloatArray,
+    steps: float,
+    spared: Sequence[frozenset[int]],
+) -> list[list[tuple[Column, Modes] | None]]:
+    """Return the unstable intervals and the modes of the blocks of some columns, None for those that are spared."""
     work = Workspace()
     return [
-        [_of_block(block, frequency, eps, steps, work) for block in blocks(system)]
-        for system, frequency in zip(systems, Omega, strict=True)
+        [
+            None if number in spare else _of_block(block, frequency, eps, steps, work)
+            for number, block in enumerate(blocks(system))
+        ]
+        for system, frequency, spare in zip(systems, Omega, spared, strict=True)
     ]
 
 
