@@ -33,8 +33,6 @@ FINEST = 0.5
 ONE_SIDED = 0.25
 # A column is placed no nearer to another one than this part of the slab.
 NOT_NEARER = 0.05
-# A column that is to tell where an interval ends is placed this part of the way to where it is expected to.
-MOST_OF_WAY = 0.7
 # Columns on each side of a slab that decide, beyond its own two, whether it needs another one.
 SEEN = 2
 # Enough columns to hide joblib's overhead, few enough to balance the load.
@@ -154,24 +152,10 @@ class _Slabs:
         if ends and all(self._is_alone(c, i) for i in ends) and not begins:
             return [self.Omega[c] + self.finest]
         if ends or (begins and not all(self._is_alone(c + 1, k) for k in begins)):
-            return self._towards_ends(c, ends, begins)
+            return [(self.Omega[c] + self.Omega[c + 1]) / 2]
         if len(set(left)) < len(left) or len(set(right)) < len(right) or self._bends(c):
             return [(self.Omega[c] + self.Omega[c + 1]) / 2]
         return self._appearances(c)
-
-    def _towards_ends(self, c: int, ends: Sequence[int], begins: Sequence[int]) -> list[float]:
-        """Return where to place columns in slab ``c``, in which intervals end or begin: most of the way to where they
-        are expected to, if that is near for all of them, else in the middle."""
-        half = (self.Omega[c + 1] - self.Omega[c]) / 2
-        places = []
-        for column, step, some in ((c, 1, ends), (c + 1, -1, begins)):
-            for i in some:
-                chain = self._chain(column, i, step, 2)
-                way = MOST_OF_WAY * _way(*self._sides(chain)) * self.units[0] if len(chain) == 2 else np.inf
-                if not way < half:
-                    return [self.Omega[c] + half]
-                places.append(self.Omega[column] + step * max(way, self.finest))
-        return places
 
     def _appearances(self, c: int) -> list[float]:
         """Return where edges go through the bottom of the window, far from both columns."""

@@ -252,7 +252,7 @@ class _Follower:
         if witness is None:
             return None
         Omega, level, sure = witness
-        sure = sure or (level not in self.eps and self._is_sure(Omega, level))
+        sure = sure or (not (level in self.eps and Omega in self.errors) and self._is_sure(Omega, level))
         where = int(np.searchsorted(at, level))
         if at[min(where, len(at) - 1)] != level:
             width = np.interp(level, at, half)

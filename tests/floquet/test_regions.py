@@ -313,17 +313,6 @@ def test_blocks_that_are_stable_on_both_sides_are_spared() -> None:
             assert scan.modes[1.5][number].block.K[0, 0] == pytest.approx(size)
 
 
-def test_an_interval_that_ends_is_looked_for_where_it_is_expected_to(monkeypatch: pytest.MonkeyPatch) -> None:
-    counts = []
-    for most in (0.7, np.inf):
-        monkeypatch.setattr("floquet.scanning.MOST_OF_WAY", most)
-        scan = Scan(mathieu(), (1.0, 3.0), np.linspace(0.0, 0.3, 80), 1)
-        scan.add(np.linspace(1.0, 3.0, 33))
-        scan.refine((2.0, 0.3), 0.0, 1e-3)
-        counts.append(len(scan.columns))
-    assert counts[0] < counts[1]
-
-
 def test_a_witness_lies_in_its_stretch_and_in_the_window() -> None:
     name = resonances(mathieu(), 1.9, 2.1)[0]
     eps = np.linspace(0, 0.4, 81)
