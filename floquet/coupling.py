@@ -155,15 +155,20 @@ def _arriving(
     divisor = np.where(np.abs(divisor) < NEAREST * Omega, NEAREST * Omega, divisor)
     a = np.zeros_like(divisor)
     a[each, zero, start] = 1
-    total = np.zeros(len(start))
-    for _ in range(abs(j) + FURTHER):
+    total, orders, widest = np.zeros(len(start)), abs(j) + FURTHER, max(G, default=0)
+    for order in range(1, orders + 1):
+        # harmonics that can have been reached, and from which the end can be
+        left = (orders - order) * widest
+        low = max(zero - order * widest, target - left, 0)
+        high = min(zero + order * widest, target + left, count - 1)
         arrived = np.zeros_like(a)
         for k, matrix in G.items():
-            if abs(k) < count:
-                goal, source = slice(max(k, 0), count + min(k, 0)), slice(max(-k, 0), count - max(k, 0))
-                arrived[:, goal] += eps * (a[:, source] @ matrix.T)
+            first, last = max(low, k), min(high, count - 1 + k)
+            if first <= last:
+                arrived[:, first : last + 1] += eps * (a[:, first - k : last + 1 - k] @ matrix.T)
         total += np.abs(arrived[each, target, end])
-        a = arrived / divisor
+        a = np.zeros_like(a)
+        a[:, low : high + 1] = arrived[:, low : high + 1] / divisor[:, low : high + 1]
         a[each, zero, start] = a[each, target, end] = 0
     return total
 

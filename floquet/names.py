@@ -128,7 +128,7 @@ class Namer:
         reach = TOLERANCES * self.tolerance + width + DOUBT * abs(way)
         centre = Omega + way
         low, high = min(Omega, centre) - reach, max(Omega, centre) + reach
-        fitting = [n for n in self.names if n.kind == foot.low_kind and low <= n.centre <= high]
+        fitting = [n for n in self.names if low <= n.centre <= high and n.kind == foot.low_kind]
         fitting.sort(key=lambda n: (n.sign < 0, n.j, abs(n.centre - centre)))
         rivals = [n for n in fitting if n.j == fitting[0].j and n.sign == fitting[0].sign]
         if len(rivals) > 1 and foot.low > SURE * foot.high:

@@ -62,48 +62,52 @@ class Nodes(NamedTuple):
         f, apart = _measures(followed(column, candidate.home, Omega, eps), candidate)
         f[self.wide.at(Omega) & (f > 0)] = np.nan
         at = int(np.searchsorted(self.Omega, Omega))
-        return self._replace(
-            Omega=np.insert(self.Omega, at, Omega),
-            f=np.insert(self.f, at, f, 0),
-            apart=np.insert(self.apart, at, apart, 0),
-        )
+        new = (np.array([Omega]), f[None], apart[None])
+        parts = [np.concatenate([old[:at], row, old[at:]]) for old, row in zip(self[:3], new, strict=True)]
+        return Nodes(parts[0], parts[1], parts[2], self.wide)
 
 
 def scan_nodes(candidates: Sequence[Candidate], scan: Scan) -> Iterator[Nodes]:
     """Yield what the columns of a scan say about each candidate."""
-    Omega = np.array(sorted(scan.modes))
-    unstable = np.zeros((len(Omega), len(scan.eps)), dtype=bool)
-    for row, w in zip(unstable, Omega.tolist(), strict=True):
-        for interval in scan.columns.get(w, []):
-            row |= (scan.eps >= interval.low) & (scan.eps <= interval.high)
-    both = unstable[1:] & unstable[:-1]
-    none = np.zeros((1, len(scan.eps)), dtype=bool)
-    met = np.concatenate([both, none]) | np.concatenate([none, both])
-    known: dict[tuple[int, int], Exponents] = {}
+    known = {number: _followed(scan, home) for number, home in {id(one.home): one.home for one in candidates}.items()}
     for one in candidates:
+        Omega, unstable, modes = known[id(one.home)]
+        both = unstable[1:] & unstable[:-1]
+        none = np.zeros((1, len(scan.eps)), dtype=bool)
+        met = np.concatenate([both, none]) | np.concatenate([none, both])
         reach = AWAY * (Omega[-1] - Omega[0])
-        near = np.flatnonzero(np.abs(Omega - one.name.centre) <= reach)
-        for i in near.tolist():
-            if (id(one.home), i) not in known:
-                modes = scan.modes[float(Omega[i])]
-                column = modes[home_of([each.block for each in modes], one.home)]
-                known[id(one.home), i] = followed(column, one.home, float(Omega[i]), scan.eps)
-        columns = [known[id(one.home), i] for i in near.tolist()]
-        found = Exponents(*(np.array(part) for part in zip(*columns, strict=True)))
-        some = _beside(found, one, Omega[near])
-        near = near[some]
-        f, apart = _measures(Exponents(*(part[some] for part in found)), one)
+        first = int(np.searchsorted(Omega, one.name.centre - reach))
+        last = int(np.searchsorted(Omega, one.name.centre + reach, side="right"))
+        near = slice(first, last)
+        near = _beside(Exponents(*(part[near] for part in modes)), one, Omega[near], first)
+        f, apart = _measures(Exponents(*(part[near] for part in modes)), one)
         f[met[near] & (f > 0)] = np.nan  # unstable by whatever the wide region is from
-        yield Nodes(Omega[near], f, apart, Wide(Omega[near], both[near[:-1]]))
+        yield Nodes(Omega[near], f, apart, Wide(Omega[near], both[near.start : near.stop - 1]))
+
+
+def _followed(scan: Scan, home: Home) -> tuple[FloatArray, NDArray[np.bool_], Exponents]:
+    """Return the columns of a scan in which a home was looked at, where they are unstable (columns, k), and the modes
+    of the home, arrays (columns, k, n)."""
+    number = home_of([one.block for one in next(iter(scan.modes.values())).values()], home)
+    Omega, unstable, columns = [], [], []
+    for w in sorted(scan.modes):
+        column = scan.modes[w].get(number)
+        if column is None:
+            continue
+        rows = [(scan.eps >= one.low) & (scan.eps <= one.high) for one in scan.columns.get(w, [])]
+        Omega.append(w)
+        unstable.append(np.any(rows, axis=0) if rows else np.zeros(len(scan.eps), dtype=bool))
+        columns.append(followed(column, home, w, scan.eps))
+    return np.array(Omega), np.array(unstable), Exponents(*(np.array(part) for part in zip(*columns, strict=True)))
 
 
 def home_of(blocks: Sequence[Block], home: Home) -> int:
     """Return which of the blocks of a member of a family is the home of a candidate at its frequency."""
     wanted = home.block.K.diagonal()
-    off = [
-        float(np.abs(block.K.diagonal() - wanted).max()) if len(block.K) == len(wanted) else np.inf for block in blocks
-    ]
-    return int(np.argmin(off))
+    alike = [i for i, block in enumerate(blocks) if len(block.K) == len(wanted)]
+    if len(alike) == 1:
+        return alike[0]
+    return min(alike, key=lambda i: float(np.abs(blocks[i].K.diagonal() - wanted).max()))
 
 
 def followed(column: Modes, home: Home, Omega: float, eps: FloatArray) -> Exponents:
@@ -112,14 +116,15 @@ def followed(column: Modes, home: Home, Omega: float, eps: FloatArray) -> Expone
     return follow(column.found, eps, home.exponents * (2 * np.pi / Omega), conservative)
 
 
-def _beside(found: Exponents, candidate: Candidate, Omega: FloatArray) -> slice:
-    """Return the columns that a candidate passes between, and some more on both sides."""
+def _beside(found: Exponents, candidate: Candidate, Omega: FloatArray, start: int) -> slice:
+    """Return the columns that a candidate passes between, and some more on both sides; they are numbered from
+    ``start``."""
     name = candidate.name
     apart = distance(found, candidate.p, candidate.q, name.j, name.sign)
     left = np.flatnonzero((apart.min(axis=1) > 0) & (Omega < name.centre))
     right = np.flatnonzero((apart.max(axis=1) < 0) & (Omega > name.centre))
     first, last = left[-1] if len(left) else 0, right[0] if len(right) else len(Omega) - 1
-    return slice(max(first - BESIDE, 0), last + BESIDE + 1)
+    return slice(start + max(first - BESIDE, 0), start + min(last + BESIDE + 1, len(Omega)))
 
 
 def _measures(found: Exponents, candidate: Candidate) -> tuple[FloatArray, FloatArray]:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from periodic.checks import FloatArray
@@ -124,19 +125,46 @@ def loops(Omega: FloatArray, columns: Sequence[Column], places: set[Place], fine
 
 def area(Omega: FloatArray, eps: FloatArray) -> float:
     """Return the area inside a closed polyline, positive if it runs counterclockwise."""
-    return float(np.sum(Omega * np.roll(eps, -1) - np.roll(Omega, -1) * eps) / 2)
+    last = Omega[-1] * eps[0] - Omega[0] * eps[-1]
+    return float(Omega[:-1] @ eps[1:] - Omega[1:] @ eps[:-1] + last) / 2
 
 
 def crossings(outlines: Sequence[Loop], level: float) -> list[float]:
     """Return where the outlines cross the height ``level``, in increasing order."""
-    found: list[float] = []
-    for loop in outlines:
-        x, y = loop.Omega, loop.eps
-        after_x, after_y = np.roll(x, -1), np.roll(y, -1)
-        crossing = (y > level) != (after_y > level)
-        part = (level - y[crossing]) / (after_y[crossing] - y[crossing])
-        found += (x[crossing] + part * (after_x[crossing] - x[crossing])).tolist()
-    return sorted(found)
+    return sorted(x for loop in outlines for x in _crossings(loop.Omega, loop.eps, level).tolist())
+
+
+@njit(cache=True, nogil=True)
+def _crossings(Omega, eps, level):  # type: ignore[no-untyped-def]
+    """Return where one closed polyline crosses the height ``level``, along it."""
+    found, count = np.empty(eps.size), 0
+    for b in range(eps.size):
+        a = b - 1
+        if (eps[a] > level) != (eps[b] > level):
+            found[count] = Omega[a] + (level - eps[a]) / (eps[b] - eps[a]) * (Omega[b] - Omega[a])
+            count += 1
+    return found[:count]
+
+
+@njit(cache=True, nogil=True)
+def within(outline_Omega, outline_eps, Omega, eps):  # type: ignore[no-untyped-def]
+    """Return whether points (k,) lie inside a closed polyline, shape (2, k): once its left and lower edges belong to
+    it, once its right and upper ones.
+
+    Inside means that an odd number of sides is crossed on the way to the right.
+    """
+    inside = np.zeros((2, Omega.size), np.bool_)
+    for b in range(outline_eps.size):
+        x0, y0, x1, y1 = outline_Omega[b - 1], outline_eps[b - 1], outline_Omega[b], outline_eps[b]
+        if y0 == y1:
+            continue
+        low, high, slope = min(y0, y1), max(y0, y1), (x1 - x0) / (y1 - y0)
+        for i in range(Omega.size):
+            if low <= eps[i] <= high:
+                crossing = x0 + (eps[i] - y0) * slope
+                inside[0, i] ^= eps[i] < high and Omega[i] < crossing
+                inside[1, i] ^= eps[i] > low and Omega[i] <= crossing
+    return inside
 
 
 def _corners(pairs: list[tuple[int, int]], number: int, other: int, c: int, end: str) -> tuple[Corner, Corner]:

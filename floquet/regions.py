@@ -13,7 +13,7 @@ from floquet.branches import branches
 from floquet.coupling import Candidate, candidates
 from floquet.monodromy import is_unstable, member_at
 from floquet.names import Name, Namer, resonances
-from floquet.outline import Column, Loop, Place, area, components, crossings, loops
+from floquet.outline import Column, Loop, Place, area, components, crossings, loops, within
 from floquet.scanning import AMPLITUDES, Scan
 from floquet.tongues import Tongue, reach, trace_tongues
 from periodic import SystemFamily
@@ -98,7 +98,8 @@ class Region:
             box = (x >= loop.Omega.min()) & (x <= loop.Omega.max()) & (y >= loop.eps.min()) & (y <= loop.eps.max())
             if box.any():
                 # islands run clockwise; branches may overlap
-                inside[:, box] += np.where(area(loop.Omega, loop.eps) < 0, -1, 1) * _inside(loop, x[box], y[box])
+                turn = -1 if area(loop.Omega, loop.eps) < 0 else 1
+                inside[:, box] += turn * within(loop.Omega, loop.eps, x[box], y[box])
         return np.asarray((inside > 0).any(axis=0))
 
 
@@ -290,19 +291,3 @@ def _width(outlines: Sequence[Loop]) -> float:
     levels = eps.min() + (eps.max() - eps.min()) * (np.arange(LEVELS) + 0.5) / LEVELS
     ends = [crossings(outlines, level) for level in levels]
     return max((b - a for row in ends for a, b in zip(row[::2], row[1::2], strict=True)), default=0.0)
-
-
-def _inside(loop: Loop, Omega: FloatArray, eps: FloatArray) -> NDArray[np.bool_]:
-    """Return whether points (k,) lie inside a closed polyline, shape (2, k): once its left and lower edges belong to
-    it, once its right and upper ones.
-
-    Inside means that an odd number of sides is crossed on the way to the right.
-    """
-    inside = np.zeros((2, Omega.size), dtype=bool)
-    for x0, y0, x1, y1 in zip(loop.Omega, loop.eps, np.roll(loop.Omega, -1), np.roll(loop.eps, -1), strict=True):
-        if y0 != y1:
-            low, high = min(y0, y1), max(y0, y1)
-            crossing = x0 + (eps - y0) * ((x1 - x0) / (y1 - y0))
-            inside[0] ^= (eps >= low) & (eps < high) & (Omega < crossing)
-            inside[1] ^= (eps > low) & (eps <= high) & (Omega <= crossing)
-    return inside

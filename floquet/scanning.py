@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -14,7 +14,7 @@ from floquet.coordinates import Block, blocks, equations
 from floquet.exponents import ROUNDING, Exponents, edge, modes_symplectic
 from floquet.exponents import modes as modes_general
 from floquet.multipliers import Kind
-from floquet.outline import Column, Interval, links
+from floquet.outline import Column, Interval, Place, links
 from floquet.parallel import spread
 from floquet.sampling import Sampler, Workspace
 from floquet.verdict import dominant, dominant_symplectic, judge
@@ -33,6 +33,8 @@ FINEST = 0.5
 ONE_SIDED = 0.25
 # A column is placed no nearer to another one than this part of the slab.
 NOT_NEARER = 0.05
+# Columns on each side of a slab that decide, beyond its own two, whether it needs another one.
+SEEN = 2
 # Enough columns to hide joblib's overhead, few enough to balance the load.
 COLUMNS_A_TASK = 8
 
@@ -45,7 +47,11 @@ class Modes(NamedTuple):
 
 
 class Scan:
-    """Columns of a family over a range of eps, computed when asked for and kept, each with the modes of its blocks."""
+    """Columns of a family over a range of eps, computed when asked for and kept.
+
+    ``modes`` has those of the blocks of a column by their numbers, ``quiet`` the numbers of its blocks that are stable
+    at all amplitudes, or are not looked at.
+    """
 
     def __init__(self, family: SystemFamily, Omega_range: tuple[float, float], eps: FloatArray, n_jobs: Any) -> None:
         self.family, self.window, self.eps = family, Omega_range, eps
@@ -53,21 +59,34 @@ class Scan:
         self.steps = max(FEWER * steps_needed([family.at(float(w)) for w in few], few, eps), LEAST_STEPS)
         self.n_jobs = n_jobs
         self.columns: dict[float, Column] = {}
-        self.modes: dict[float, list[Modes]] = {}
+        self.modes: dict[float, dict[int, Modes]] = {}
+        self.quiet: dict[float, frozenset[int]] = {}
 
-    def add(self, Omega: Iterable[float]) -> int:
+    def add(self, Omega: Iterable[float], spared: Mapping[float, frozenset[int]] | None = None) -> int:
         """Compute the columns at ``Omega`` that are new; return how many.
 
-        Of those outside the window only the modes are kept.
+        Of those outside the window only the modes are kept. ``spared`` has the numbers of blocks of a column that need
+        not be looked at.
         """
         new = sorted({float(w) for w in Omega} - self.modes.keys())
         batches = [new[i : i + COLUMNS_A_TASK] for i in range(0, len(new), COLUMNS_A_TASK)]
-        tasks = (([self.family.at(w) for w in batch], batch, self.eps, self.steps) for batch in batches)
+        none: frozenset[int] = frozenset()
+        tasks = (
+            (
+                [self.family.at(w) for w in batch],
+                batch,
+                self.eps,
+                self.steps,
+                [(spared or {}).get(w, none) for w in batch],
+            )
+            for batch in batches
+        )
         for i, found in spread(_intervals, tasks, self.n_jobs):
             for w, parts in zip(batches[i], found, strict=True):
-                self.modes[w] = [modes for _, modes in parts]
+                self.modes[w] = {number: part[1] for number, part in enumerate(parts) if part is not None}
+                self.quiet[w] = frozenset(n for n, part in enumerate(parts) if part is None or not part[0])
                 if self.window[0] <= w <= self.window[1]:
-                    self.columns[w] = union([column for column, _ in parts])
+                    self.columns[w] = union([part[0] for part in parts if part is not None])
         return len(new)
 
     def ordered(self) -> tuple[FloatArray, list[Column]]:
@@ -78,21 +97,32 @@ class Scan:
     def most_unstable(self, Omega: float, eps: float) -> int:
         """Return the number of modes of the block that is most unstable at ``eps`` in the column at ``Omega``."""
         level = int(np.abs(self.eps - eps).argmin())
-        growth = [(found.modulus + found.split)[level].max() for _, found in self.modes[Omega]]
-        return len(self.modes[Omega][int(np.argmax(growth))].block.K)
+        modes = self.modes[Omega].values()
+        return max(((found.modulus + found.split)[level].max(), len(block.K)) for block, found in modes)[1]
 
     def refine(self, units: tuple[float, float], bottom: float, tolerance: float) -> None:
         """Halve the slabs between columns until straight lines describe the edges.
+
+        In a slab, blocks that are stable on both sides are spared.
 
         ``units`` are the ranges of Omega and eps that count alike; ``tolerance`` is the largest distance of an edge
         from the straight line, as part of them. Above eps = ``bottom`` is what will be seen.
         """
         finest = FINEST * tolerance * units[0]
+        settled: set[tuple[float, ...]] = set()
         while True:
             Omega, columns = self.ordered()
             slabs = _Slabs(Omega, columns, units, bottom, tolerance, finest)
-            wide = np.flatnonzero(np.diff(Omega) > 1.5 * finest).tolist()
-            if not self.add(place for c in wide for place in slabs.place(c)):
+            new: dict[float, frozenset[int]] = {}
+            for c in np.flatnonzero(np.diff(Omega) > 1.5 * finest).tolist():
+                around = tuple(Omega[max(c - SEEN, 0) : c + SEEN + 2].tolist())
+                if around not in settled:  # a slab is looked at again when a column near it is new
+                    places = slabs.place(c)
+                    quiet = self.quiet[float(Omega[c])] & self.quiet[float(Omega[c + 1])]
+                    new |= {float(place): quiet for place in places}
+                    if not places:
+                        settled.add(around)
+            if not self.add(new, new):
                 return
 
 
@@ -155,29 +185,34 @@ class _Slabs:
     def _is_foreseen(self, c: int, i: int, step: int) -> bool:
         """Whether the edges of an interval meet before column c + step if they go on from the last columns, with a
         curvature that moves the place by less than the tolerance: most of all, an edge meets that of the window."""
-        places = [c]
-        chain = [i]
-        for _ in range(2):
-            a = places[-1] - step
-            if not 0 <= a < len(self.columns):
-                return False
-            pairs = self.links[min(a, places[-1])]
-            inner = [k if step < 0 else j for j, k in pairs if (j if step < 0 else k) == chain[-1]]
-            if len(inner) != 1:
-                return False
-            places.append(a)
-            chain.append(inner[0])
-        x = np.abs(self.Omega[places] - self.Omega[c]) / self.units[0]
-        y = np.array([self.columns[a][k][:2] for a, k in zip(places, chain, strict=True)]) / self.units[1]
-        width = y[:, 1] - y[:, 0]
-        if not width[1] > width[0]:
+        chain = self._chain(c, i, step, 3)
+        if len(chain) < 3:
             return False
-        way = width[0] * x[1] / (width[1] - width[0])
+        x, y = self._sides(chain)
+        way = _way(x, y)
         if way > abs(self.Omega[c + step] - self.Omega[c]) / self.units[0]:
             return False
         slope = np.diff(y, axis=0) / np.diff(x)[:, None]
         off = np.abs(slope[1] - slope[0]) / x[2] * way * (way + x[1])
         return bool((off <= self.tolerance * np.hypot(1, slope[0])).all())
+
+    def _chain(self, c: int, i: int, step: int, count: int) -> list[Place]:
+        """Return an interval and those before it, on the way to column c + step: ``count`` of them, or fewer if one is
+        linked to none or several."""
+        chain = [(c, i)]
+        while len(chain) < count and 0 <= chain[-1][0] - step < len(self.columns):
+            last, number = chain[-1]
+            pairs = self.links[min(last - step, last)]
+            inner = [k if step < 0 else j for j, k in pairs if (j if step < 0 else k) == number]
+            if len(inner) != 1:
+                break
+            chain.append((last - step, inner[0]))
+        return chain
+
+    def _sides(self, chain: Sequence[Place]) -> tuple[FloatArray, FloatArray]:
+        """Return how far the intervals of a chain are from its first one, (k,), and both ends of each, (k, 2)."""
+        x = np.abs(self.Omega[[c for c, _ in chain]] - self.Omega[chain[0][0]]) / self.units[0]
+        return x, np.array([self.columns[c][i][:2] for c, i in chain]) / self.units[1]
 
     def _bends(self, c: int) -> bool:
         """Whether an edge that goes through slab ``c`` is further from a straight line than the tolerance."""
@@ -208,14 +243,27 @@ class _Slabs:
         return False
 
 
+def _way(x: FloatArray, y: FloatArray) -> float:
+    """Return how far from the first interval of a chain its edges meet, if they go on straight; infinite if nowhere."""
+    width = y[:, 1] - y[:, 0]
+    return float(width[0] * x[1] / (width[1] - width[0])) if width[1] > width[0] else np.inf
+
+
 def _intervals(
-    systems: Sequence[PeriodicSystem], Omega: Sequence[float], eps: FloatArray, steps: float
-) -> list[list[tuple[Column, Modes]]]:
-    """Return the unstable intervals and the modes of the blocks of some columns."""
+    systems: Sequence[PeriodicSystem],
+    Omega: Sequence[float],
+    eps: FloatArray,
+    steps: float,
+    spared: Sequence[frozenset[int]],
+) -> list[list[tuple[Column, Modes] | None]]:
+    """Return the unstable intervals and the modes of the blocks of some columns, None for those that are spared."""
     work = Workspace()
     return [
-        [_of_block(block, frequency, eps, steps, work) for block in blocks(system)]
-        for system, frequency in zip(systems, Omega, strict=True)
+        [
+            None if number in spare else _of_block(block, frequency, eps, steps, work)
+            for number, block in enumerate(blocks(system))
+        ]
+        for system, frequency, spare in zip(systems, Omega, spared, strict=True)
     ]
 
 
@@ -235,11 +283,8 @@ def _of_block(block: Block, Omega: float, eps: FloatArray, steps: float, work: W
     unstable = kind > Kind.STABLE
     if conservative:  # next to an edge it is too weak to be judged, but seen
         unstable = _with_neighbours(unstable, (np.abs(modes.modulus) + modes.split).max(axis=1) > ROUNDING)
-    unstable = np.concatenate([[False], unstable, [False]])
-    starts = np.flatnonzero(~unstable[:-1] & unstable[1:]).tolist()
-    stops = (np.flatnonzero(unstable[:-1] & ~unstable[1:]) - 1).tolist()
     column = []
-    for first, last in zip(starts, stops, strict=True):
+    for first, last in _runs(unstable):
         low, high = eps[first], eps[last]
         if first > 0:
             low = edge(modes, eps, first - 1, first, min(first + 1, last), conservative)
@@ -250,11 +295,25 @@ def _of_block(block: Block, Omega: float, eps: FloatArray, steps: float, work: W
     return column, Modes(block, modes)
 
 
+def _runs(true: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Return the first and the last place of each run of true ones."""
+    found, start = [], -1
+    for i, one in enumerate([*true.tolist(), False]):
+        if one and start < 0:
+            start = i
+        elif start >= 0 and not one:
+            found.append((start, i - 1))
+            start = -1
+    return found
+
+
 def _with_neighbours(sure: NDArray[np.bool_], likely: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Return the runs of likely cells that touch a sure one, and the sure ones."""
     either = sure | likely
-    run = np.cumsum(np.diff(either, prepend=False))
-    return either & np.isin(run, run[sure])
+    for first, last in _runs(either):
+        if not sure[first : last + 1].any():
+            either[first : last + 1] = False
+    return either
 
 
 def union(columns: Sequence[Column]) -> Column:

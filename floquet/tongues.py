@@ -27,8 +27,9 @@ from floquet.scanning import Modes, Scan
 from periodic import SystemFamily
 from periodic.checks import FloatArray
 
-# Error of the multipliers, as a part of the expected f, and at least and at most.
-ACCURACY, FINEST, COARSEST = 1e-2, 1e-10, 1e-7
+# Error of the multipliers: coarse if that is no more than this part of the expected f, else fine enough to be sure of
+# most regions; columns with one error share the plan of their doublings.
+ACCURACY, FINEST, COARSEST = 1e-2, 1e-12, 1e-7
 # Candidates that share their work space.
 A_TASK = 4
 # Columns placed in a region, at most; each shows where to place the next.
@@ -189,16 +190,27 @@ class _Follower:
 
     def _with(self, nodes: Nodes, Omega: float) -> Nodes:
         """Return the nodes with a new column."""
+        error = COARSEST if ACCURACY * self.expected[-1] > COARSEST else FINEST
+        column, losses = self._column(Omega, self.eps, error)
+        self.errors[Omega] = error * float(losses.max())
+        return nodes.with_column(self.candidate, Omega, column, self.eps)
+
+    def _column(self, Omega: float, eps: FloatArray, error: float) -> tuple[Modes, FloatArray]:
+        """Return the modes of the block at ``eps`` (k,), and how many times (k,) ``error`` they are off."""
         parts = blocks(self.family.at(Omega))
         block = parts[home_of(parts, self.candidate.home)]
         sampler = Sampler(block, equations(block, least_frequency(Omega)), Omega, self.work)
-        error = min(max(ACCURACY * self.expected[-1], FINEST), COARSEST)
         # fourth order; where steps are symplectic they only shift the region, by a small part of its width
         finer = 1.0 if block.symplectic else (COARSEST / error) ** 0.25
-        spectra = multipliers(sampler, self.eps, log2_steps(block, Omega, self.eps, self.steps * finer), error)
+        spectra = multipliers(sampler, eps, log2_steps(block, Omega, self.eps, self.steps * finer), error)
         found = (modes_symplectic if block.symplectic else modes)(spectra.mu, spectra.exponents)
-        self.errors[Omega] = error
-        return nodes.with_column(self.candidate, Omega, Modes(block, found), self.eps)
+        return Modes(block, found), spectra.losses
+
+    def _is_sure(self, Omega: float, level: float) -> bool:
+        """Return whether a column of one point is unstable there by far more than its error."""
+        (_, found), losses = self._column(Omega, np.array([level]), FINEST)
+        growth = float((found.modulus + found.split).max())
+        return bool(growth > 0 and growth**2 > SURE * FINEST * losses[0])
 
     def fit(self, nodes: Nodes, levels: int) -> _Fit:
         """Return what the nodes say about the first ``levels``; the others are unknown."""
@@ -240,6 +252,7 @@ class _Follower:
         if witness is None:
             return None
         Omega, level, sure = witness
+        sure = sure or (not (level in self.eps and Omega in self.errors) and self._is_sure(Omega, level))
         where = int(np.searchsorted(at, level))
         if at[min(where, len(at) - 1)] != level:
             width = np.interp(level, at, half)

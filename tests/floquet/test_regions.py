@@ -296,6 +296,23 @@ def test_a_column_at_a_resonance_is_unstable_from_the_bottom() -> None:
     assert interval.low_kind == Kind.MINUS_ONE
 
 
+def test_blocks_that_are_stable_on_both_sides_are_spared() -> None:
+    # two oscillators that nothing couples: 2 at the left, and 3 at the right of the window, are unstable on their own
+    one, zero = np.eye(2), np.zeros((2, 2))
+    system = PeriodicSystem(one, zero, zero, np.diag([1.0, 2.25]), [one])
+    scan = Scan(system, (1.5, 3.5), np.linspace(0, 0.3, 80), 1)
+    scan.add(np.linspace(1.5, 3.5, 33))
+    before = set(scan.modes)
+    scan.refine((2.0, 0.3), 0.0, 1e-3)
+    new = {w: list(scan.modes[w]) for w in set(scan.modes) - before}
+    for centre, size in ((2.0, 1.0), (3.0, 2.25)):
+        near = [numbers for w, numbers in new.items() if abs(w - centre) < 0.1]
+        assert near
+        for numbers in near:
+            (number,) = numbers
+            assert scan.modes[1.5][number].block.K[0, 0] == pytest.approx(size)
+
+
 def test_a_witness_lies_in_its_stretch_and_in_the_window() -> None:
     name = resonances(mathieu(), 1.9, 2.1)[0]
     eps = np.linspace(0, 0.4, 81)

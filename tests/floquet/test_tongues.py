@@ -128,7 +128,7 @@ def test_a_region_that_passes_a_column_between_two_levels_needs_no_other(monkeyp
     def none(*_: object) -> None:
         raise AssertionError("a column was computed")
 
-    monkeypatch.setattr("floquet.tongues.multipliers", none)
+    monkeypatch.setattr("floquet.tongues._Follower._with", none)
     (tongue,) = trace_tongues(mathieu(), some, scan, (0.0, 0.4), 0.02, 1)
     assert tongue.witness[0] == 0.2845
     assert monodromy(mathieu(), *tongue.witness).kind > Kind.STABLE
