@@ -28,7 +28,6 @@ from floquet.verdict import (
     discrepancy,
     dominant,
     dominant_symplectic,
-    excess,
     judge,
 )
 from periodic import PeriodicSystem
@@ -101,7 +100,7 @@ def _columns(
             _column(block, float(w), eps, steps_a_cycle, work, measure=i in measured) for i, w in enumerate(Omega)
         ]
         found = Dominant(*(np.array(part) for part in zip(*(column.found for column in columns), strict=True)))
-        E = _errors(block, eps, columns, measured)
+        E = _errors(block, eps, columns, found.excess, measured)
         judged = judge(found, E, block.symplectic or block.reversible)
         if block.symplectic:
             for i in np.flatnonzero(_in_doubt(judged).any(axis=1)):
@@ -132,7 +131,6 @@ class _Column(NamedTuple):
     """The dominant multipliers of a block at one frequency, and what their errors follow from."""
 
     found: Dominant
-    nu: FloatArray  # norms of the matrices in units of the largest multiplier, (k,)
     losses: FloatArray
     cycles: float  # T and h, the period and a step, in cycles of the fastest motion
     step: float
@@ -146,28 +144,33 @@ def _column(
     L = log2_steps(block, Omega, eps, steps_a_cycle)
     sampler = Sampler(block, equations(block, least_frequency(Omega)), Omega, work)
     mu, exponents, losses, norms = multipliers(sampler, eps, L, TOLERANCE)
-    found = dominant_symplectic(mu, exponents) if block.symplectic else dominant(mu, exponents, block.reversible)
-    nu = excess(mu, exponents, norms, block.symplectic)
+    if block.symplectic:
+        found = dominant_symplectic(mu, exponents, norms)
+    else:
+        found = dominant(mu, exponents, norms, block.reversible)
     cycles = fastest(block, Omega, eps) / Omega
     step, slope = cycles / 2.0**L, 0.0
     if measure:
         tested = _tested(eps)
-        unit = cycles * step**4 * np.abs(eps) * nu
+        unit = cycles * step**4 * np.abs(eps) * found.excess
         measured = _discrepancies(sampler, mu[tested], exponents[tested], eps[tested], L)
         slope = (measured / np.maximum(unit[tested], unit.max() / 4 + TINY)).max()
-    return _Column(found, nu, losses, cycles, step, slope)
+    return _Column(found, losses, cycles, step, slope)
 
 
-def _errors(block: Block, eps: FloatArray, columns: Sequence[_Column], measured: Sequence[int]) -> FloatArray:
+def _errors(
+    block: Block, eps: FloatArray, columns: Sequence[_Column], nu: FloatArray, measured: Sequence[int]
+) -> FloatArray:
     """Return the errors E (columns, k) of neighbouring columns, of which some were ``measured``.
 
-    The error of a matrix goes with its norm, E with that in units of the multipliers: the excess nu. Truncation makes E
-    a multiple of T h^4 |eps| nu, by a factor that neighbouring columns share: it is exact at eps = 0, and its error
-    grows at least like eps^2, so that the straight line is on the safe side. Rounding errors are u nu: where two
-    multipliers coalesce there is an off-diagonal entry of size nu between them, and the square of their distance shifts
-    by u nu^2. Of a symplectic matrix the sums mu + 1/mu are computed, which rounding errors u nu shift by as much.
+    The error of a matrix goes with its norm, E with that in units of the multipliers: the excess ``nu`` (columns, k).
+    Truncation makes E a multiple of T h^4 |eps| nu, by a factor that neighbouring columns share: it is exact at
+    eps = 0, and its error grows at least like eps^2, so that the straight line is on the safe side. Rounding errors are
+    u nu: where two multipliers coalesce there is an off-diagonal entry of size nu between them, and the square of their
+    distance shifts by u nu^2. Of a symplectic matrix the sums mu + 1/mu are computed, which rounding errors u nu shift
+    by as much.
     """
-    nu, losses = (np.array([getattr(column, name) for column in columns]) for name in ("nu", "losses"))
+    losses = np.array([column.losses for column in columns])
     cycles, step, slope = np.array([(column.cycles, column.step, column.slope) for column in columns]).T
     places = np.arange(len(columns))
     before, after = np.searchsorted(measured, places, side="right") - 1, np.searchsorted(measured, places)

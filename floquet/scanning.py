@@ -273,12 +273,12 @@ def _of_block(block: Block, Omega: float, eps: FloatArray, steps: float, work: W
     The steps are short enough for it to be below ERROR; every region is verified by `floquet.monodromy` in the end.
     """
     sampler = Sampler(block, equations(block, least_frequency(Omega)), Omega, work)
-    mu, exponents, losses, _ = multipliers(sampler, eps, log2_steps(block, Omega, eps, steps), ERROR)
+    mu, exponents, losses, norms = multipliers(sampler, eps, log2_steps(block, Omega, eps, steps), ERROR)
     conservative = block.symplectic or block.reversible
     if block.symplectic:
-        found, modes = dominant_symplectic(mu, exponents), modes_symplectic(mu, exponents)
+        found, modes = dominant_symplectic(mu, exponents, norms), modes_symplectic(mu, exponents)
     else:
-        found, modes = dominant(mu, exponents, block.reversible), modes_general(mu, exponents)
+        found, modes = dominant(mu, exponents, norms, block.reversible), modes_general(mu, exponents)
     kind = judge(found, SAFETY * ERROR * losses, conservative).kind
     unstable = kind > Kind.STABLE
     if conservative:  # next to an edge it is too weak to be judged, but seen

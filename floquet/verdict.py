@@ -36,12 +36,14 @@ class Cells(NamedTuple):
 class Dominant(NamedTuple):
     """The dominant multiplier of each cell of a block: log|mu|, argument, relative distance to the nearest other.
 
-    If no multiplier is off the unit circle, ``gap`` is the smallest distance between any two.
+    If no multiplier is off the unit circle, ``gap`` is the smallest distance between any two. ``excess`` is the norm of
+    the matrix in units of the dominant multiplier, at least 1, which is what it is for a normal matrix.
     """
 
     log_modulus: FloatArray
     angle: FloatArray
     gap: FloatArray
+    excess: FloatArray
 
 
 @njit(cache=True, nogil=True)
@@ -51,10 +53,11 @@ def _square(z: complex) -> float:
 
 
 @njit(cache=True, nogil=True)
-def dominant(mu: ComplexArray, exponents: FloatArray, reversible: bool) -> Dominant:
-    """Return the dominant ones of the multipliers 2^exponents[c] mu[c, i], mu of shape (k, N)."""
+def dominant(mu: ComplexArray, exponents: FloatArray, norms: FloatArray, reversible: bool) -> Dominant:
+    """Return the dominant ones of the multipliers 2^exponents[c] mu[c, i], mu of shape (k, N), of matrices whose norms
+    (k,) are given at the scale of ``mu``."""
     k, N = mu.shape
-    log_modulus, angle, gap = np.empty(k), np.empty(k), np.empty(k)
+    log_modulus, angle, gap, excess = np.empty(k), np.empty(k), np.empty(k), np.empty(k)
     for c in range(k):
         top, largest, nearest = 0, TINY, np.inf
         for i in range(N):
@@ -69,26 +72,8 @@ def dominant(mu: ComplexArray, exponents: FloatArray, reversible: bool) -> Domin
         log_modulus[c] = 0.5 * np.log(largest) + exponents[c] * np.log(2.0)
         angle[c] = abs(np.angle(mu[c, top]))
         gap[c] = np.sqrt(nearest / largest)
-    return Dominant(log_modulus, angle, gap)
-
-
-@njit(cache=True, nogil=True)
-def excess(mu: ComplexArray, exponents: FloatArray, norms: FloatArray, symplectic: bool) -> FloatArray:
-    """Return ``norms`` (k,) in units of the largest of the 2^exponents[c] mu[c, i], at least 1, which is what it is for
-    a normal matrix.
-
-    ``symplectic``: ``mu`` is mu + 1/mu, which may be zero where mu is not.
-    """
-    nu = np.ones(len(mu))
-    for c in range(len(mu)):
-        size = 2.0 ** -exponents[c] if symplectic else TINY
-        square = size * size
-        for i in range(mu.shape[1]):
-            each = _square(mu[c, i])
-            if each > square:  # NaN is not
-                square = each
-        nu[c] = max(norms[c] / max(np.sqrt(square), size), 1.0)
-    return nu
+        excess[c] = max(norms[c] / np.sqrt(largest), 1.0)
+    return Dominant(log_modulus, angle, gap, excess)
 
 
 @njit(cache=True, nogil=True)
@@ -113,16 +98,20 @@ def exponent(s: complex, shift: float) -> tuple[float, float]:
 
 
 @njit(cache=True, nogil=True)
-def dominant_symplectic(s: ComplexArray, exponents: FloatArray) -> Dominant:
+def dominant_symplectic(s: ComplexArray, exponents: FloatArray, norms: FloatArray) -> Dominant:
     """Return the dominant multipliers of cells with mu + 1/mu = 2^exponents[c] s[c, i], s of shape (k, n)."""
     k, n = s.shape
-    log_modulus, angle, gap = np.empty(k), np.empty(k), np.empty(k)
+    log_modulus, angle, gap, excess = np.empty(k), np.empty(k), np.empty(k), np.empty(k)
     u, v, cosines = np.zeros(n), np.zeros(n), np.zeros(n)
     for c in range(k):
-        on_circle = exponents[c] == 0.0
+        on_circle, largest = exponents[c] == 0.0, 4.0 ** -exponents[c]  # mu + 1/mu may be zero, mu not
         for i in range(n):
+            square = _square(s[c, i])
+            if square > largest:  # NaN is not
+                largest = square
             cosines[i] = 0.5 * s[c, i].real
             on_circle &= s[c, i].imag == 0.0 and abs(cosines[i]) <= 1.0
+        excess[c] = max(norms[c] / max(np.sqrt(largest), TINY), 1.0)
         if on_circle:
             log_modulus[c], angle[c], gap[c] = 0.0, np.arccos(cosines[0]), _least_chord(cosines)
             continue
@@ -138,7 +127,7 @@ def dominant_symplectic(s: ComplexArray, exponents: FloatArray) -> Dominant:
             if i != top:
                 nearest = min(nearest, np.hypot(u[top] - u[i], v[top] - v[i]))
         log_modulus[c], angle[c], gap[c] = u[top], v[top], nearest
-    return Dominant(log_modulus, angle, gap)
+    return Dominant(log_modulus, angle, gap, excess)
 
 
 @njit(cache=True, nogil=True)

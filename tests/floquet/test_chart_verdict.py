@@ -13,7 +13,6 @@ from floquet.verdict import (
     discrepancy,
     dominant,
     dominant_symplectic,
-    excess,
     exponent,
     judge,
 )
@@ -34,23 +33,24 @@ def test_exponent_of_scaled_sums():
 
 def test_dominant():
     mu = np.array([[0.5, -0.9, 0.1 + 0.2j, 0.1 - 0.2j], [0.8j, -0.8j, 0.3, 0.7]], dtype=complex)
-    found = dominant(mu, np.array([0.0, 10.0]), False)
+    found = dominant(mu, np.array([0.0, 10.0]), np.array([9.0, 0.1]), False)
     assert found.log_modulus == pytest.approx([np.log(0.9), np.log(0.8 * 1024)])
     assert found.angle == pytest.approx([np.pi, np.pi / 2])
+    assert found.excess == pytest.approx([10.0, 1.0])
     # relative distance of the dominant one to its nearest neighbour
     assert found.gap == pytest.approx([abs(-0.9 - 0.1 - 0.2j) / 0.9, abs(0.8j - 0.3) / 0.8])
 
 
 def test_eigenvalues_that_did_not_converge_stop_nothing():
     mu = np.array([[np.nan, np.nan], [0.5, np.nan]], dtype=complex)
-    for found in (dominant(mu, np.zeros(2), False), dominant_symplectic(mu, np.zeros(2))):
+    for found in (dominant(mu, np.zeros(2), np.ones(2), False), dominant_symplectic(mu, np.zeros(2), np.ones(2))):
+        assert np.isfinite(found.excess).all()
         assert judge(found, np.full(2, np.inf), False).kind.tolist() == [Kind.UNDECIDED] * 2
-    assert np.isfinite(excess(mu, np.zeros(2), np.ones(2), False)).all()
 
 
 def test_dominant_of_a_reversible_block_looks_at_every_pair():
     mu = np.exp(1j * np.array([[1.0, -1.0, 2.0, 2.001]]))
-    assert dominant(mu, np.zeros(1), True).gap == pytest.approx([0.001], rel=1e-6)
+    assert dominant(mu, np.zeros(1), np.ones(1), True).gap == pytest.approx([0.001], rel=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -66,10 +66,11 @@ def test_dominant_of_a_reversible_block_looks_at_every_pair():
 def test_dominant_symplectic(mu, gap):
     mu = np.array([mu], dtype=complex)
     s = np.where(np.abs((mu + 1 / mu).imag) < 1e-15, (mu + 1 / mu).real, mu + 1 / mu)  # of rounding
-    found = dominant_symplectic(s, np.zeros(1))
+    found = dominant_symplectic(s, np.zeros(1), np.array([3.0]))
     top = np.abs(mu[0]).argmax()
     assert found.log_modulus == pytest.approx([np.log(np.abs(mu[0]).max())], abs=1e-12)
     assert found.gap == pytest.approx([gap], rel=1e-9)
+    assert found.excess == pytest.approx(max(3.0 / max(np.abs(s).max(), 1.0), 1.0))
     if abs(mu[0, top]) > 1.01:
         assert found.angle == pytest.approx([abs(np.angle(mu[0, top]))], abs=1e-9)
 
@@ -82,7 +83,7 @@ def test_discrepancy_is_smooth_where_multipliers_coalesce():
 
 
 def judged(log_modulus, angle, gap, E, conservative):
-    return judge(Dominant(*(np.array([x], float) for x in (log_modulus, angle, gap))), np.array([E]), conservative)
+    return judge(Dominant(*(np.array([x], float) for x in (log_modulus, angle, gap, 1.0))), np.array([E]), conservative)
 
 
 @pytest.mark.parametrize(
