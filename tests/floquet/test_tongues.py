@@ -10,11 +10,14 @@ from scipy.optimize import brentq
 from scipy.special import mathieu_a, mathieu_b
 
 from floquet import Kind, monodromy, trace_boundary
+from floquet.column import Spectra, multipliers
 from floquet.coupling import candidates
 from floquet.names import resonances
+from floquet.sampling import Sampler, Workspace
 from floquet.scanning import Scan
-from floquet.tongues import Tongue, trace_tongues
+from floquet.tongues import Tongue, _Follower, trace_tongues
 from periodic import SystemFamily
+from periodic.checks import FloatArray
 from periodic.examples import coupled_mathieu, mathieu
 from plate import MovingPlate
 
@@ -119,6 +122,29 @@ def test_a_region_goes_on_where_another_one_was_in_its_way() -> None:
         assert monodromy(plate, *stretch.witness).kind > Kind.STABLE
 
 
+def test_columns_of_few_errors_share_the_plans_of_their_doublings(monkeypatch: pytest.MonkeyPatch) -> None:
+    errors = []
+
+    def spied(sampler: Sampler, eps: FloatArray, L: int, error: float) -> Spectra:
+        errors.append(error)
+        return multipliers(sampler, eps, L, error)
+
+    monkeypatch.setattr("floquet.tongues.multipliers", spied)
+    found = tongues_of(mathieu(), (0.24, 1.1), (0.0, 0.3))
+    assert len(errors) >= len(found) > 5
+    assert len(set(errors)) == 2
+
+
+def test_a_stable_point_is_not_sure() -> None:
+    scan = Scan(mathieu(), (0.6, 0.8), np.linspace(0, 0.4, 80), 1)
+    (one,) = [one for one in candidates(mathieu(), resonances(mathieu(), 0.66, 0.67), 0.4) if one.name.j == 3]
+    follower = _Follower(mathieu(), one, scan.window, scan.eps, scan.steps, Workspace())
+    trace = trace_boundary(mathieu(), 2 / 3, 0.3, j=3)
+    lower, upper = float(trace.lower[0]), float(trace.upper[0])
+    assert follower._is_sure((lower + upper) / 2, 0.3)
+    assert not follower._is_sure(lower - 0.1 * (upper - lower), 0.3)
+
+
 def test_a_region_that_passes_a_column_between_two_levels_needs_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
     # the seventh tongue moves from 2/7 by 0.003, 5e-5 from level to level, and is much narrower
     scan = Scan(mathieu(), (0.2, 0.4), np.linspace(0, 0.4, 80), 1)
@@ -132,6 +158,7 @@ def test_a_region_that_passes_a_column_between_two_levels_needs_no_other(monkeyp
     (tongue,) = trace_tongues(mathieu(), some, scan, (0.0, 0.4), 0.02, 1)
     assert tongue.witness[0] == 0.2845
     assert monodromy(mathieu(), *tongue.witness).kind > Kind.STABLE
+    assert tongue.sure  # a column of this one point tells
     edges = sorted(
         brentq(lambda Omega, side=side: 4 / Omega**2 - side(7, 0.8 / Omega**2), 0.27, 0.29, xtol=1e-16)
         for side in (mathieu_a, mathieu_b)
