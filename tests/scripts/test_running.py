@@ -23,8 +23,8 @@ COLUMNS, BLOCKS = 640, 40
 CHART = ("--Omega", "0.7", "5.0", "--eps", "1.0", "--points", str(COLUMNS), "12", "--no-regions", "--no-progress")
 NAMES = ("growth_rate", "multiplier", "kind", "error")
 
-# The command with its blocks slowed down, so that a kill falls between the first and the last of them. A shell that runs
-# the tests in the background has them ignore Ctrl-C.
+# The command with its blocks slowed down, so that a kill falls between the first and the last of them. It listens to
+# Ctrl-C even if the tests run in the background of a shell, which has them ignore it.
 SLOWED = """
 import signal, sys, time
 signal.signal(signal.SIGINT, signal.default_int_handler)
