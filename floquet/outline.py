@@ -134,6 +134,14 @@ def crossings(outlines: Sequence[Loop], level: float) -> list[float]:
     return sorted(x for loop in outlines for x in _crossings(loop.Omega, loop.eps, level).tolist())
 
 
+def largest_width(outlines: Sequence[Loop], count: int) -> float:
+    """Return the largest width in Omega, at one of ``count`` levels of eps, of what lies inside the outlines."""
+    bottom, top = min(loop.eps.min() for loop in outlines), max(loop.eps.max() for loop in outlines)
+    levels = bottom + (top - bottom) * (np.arange(count) + 0.5) / count
+    ends = [crossings(outlines, level) for level in levels]
+    return max((right - left for row in ends for left, right in zip(row[::2], row[1::2], strict=True)), default=0.0)
+
+
 @njit(cache=True, nogil=True)
 def _crossings(Omega, eps, level):  # type: ignore[no-untyped-def]
     """Return where one closed polyline crosses the height ``level``, along it."""

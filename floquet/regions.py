@@ -13,7 +13,7 @@ from floquet.branches import branches
 from floquet.coupling import Candidate, candidates
 from floquet.monodromy import is_unstable, member_at
 from floquet.names import Name, Namer, resonances
-from floquet.outline import Column, Loop, Place, area, components, crossings, loops, within
+from floquet.outline import Column, Loop, Place, area, components, largest_width, loops, within
 from floquet.scanning import AMPLITUDES, Scan
 from floquet.tongues import Tongue, reach, trace_tongues
 from periodic import SystemFamily
@@ -274,7 +274,7 @@ def _region(
     if len({c for c, _ in places}) < 2:
         return None
     outlines = loops(Omega, columns, places, narrowest)
-    if _width(outlines) < narrowest:
+    if largest_width(outlines, LEVELS) < narrowest:
         return None
     c, i = max(places, key=lambda place: columns[place[0]][place[1]].high - columns[place[0]][place[1]].low)
     witness = (float(Omega[c]), (columns[c][i].low + columns[c][i].high) / 2)
@@ -283,11 +283,3 @@ def _region(
     lowest = int(outlines[0].eps.argmin())
     tip = (float(outlines[0].Omega[lowest]), float(outlines[0].eps[lowest]))
     return Region(tuple(outlines), tuple(namer.names_of(c, columns[c][i].high)), tip, witness)
-
-
-def _width(outlines: Sequence[Loop]) -> float:
-    """Return the largest width in Omega at one eps."""
-    eps = outlines[0].eps
-    levels = eps.min() + (eps.max() - eps.min()) * (np.arange(LEVELS) + 0.5) / LEVELS
-    ends = [crossings(outlines, level) for level in levels]
-    return max((b - a for row in ends for a, b in zip(row[::2], row[1::2], strict=True)), default=0.0)

@@ -184,7 +184,7 @@ def _interpolation(
     nodes = degree((across,), tolerance) + 1
     if nodes >= len(eps) or nodes * sum(x) / MOST_GROWTH > most:  # the latter where no phases are interpolated
         return None
-    points = (middle + radius * chebyshev_points(nodes)) / np.abs(eps).max()
+    points = (middle + radius * chebyshev_points(nodes)) / largest_amplitude(eps)
     plan = schedule(x, across, points.tobytes(), 1, 1, L, tolerance)
     if plan.most > most:
         return None

@@ -12,10 +12,11 @@ from typing import Any
 import numpy as np
 
 from compare.audit import audit_sentence
-from compare.explorer.outlines import draw_outlines, largest_width
+from compare.explorer.outlines import LEVELS, draw_outlines
 from compare.overlay import overlay
 from floquet import Region, StabilityChart, stability_chart, trace_regions
 from floquet.checkpoint import BlockStore
+from floquet.outline import largest_width
 from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import FloatArray, interval, one_of, real_number, whole_number
 from perturb import TransitionCurve, transition_curves
@@ -102,7 +103,7 @@ def _plain(region: Region) -> dict[str, Any]:
         "label": region.label,
         "explained": region.explained,
         "tip": list(region.tip),
-        "width": largest_width(region.outlines),
+        "width": largest_width(region.outlines, LEVELS),
         "outlines": outlines,
     }
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import ceil, log10
 
-from compare.explorer.outlines import largest_width
+from compare.explorer.outlines import LEVELS
 from floquet import Region
+from floquet.outline import largest_width
 
 # At large eps there are a hundred regions, most of them narrower than a line of the picture: these many fit a screen.
 MOST_LINES = 20
@@ -28,7 +29,7 @@ def region_lines(regions: Sequence[Region], eps_max: float, file: str) -> list[s
     file : str
         Where all of them are to be found.
     """
-    widths = [largest_width(region.outlines) for region in regions]
+    widths = [largest_width(region.outlines, LEVELS) for region in regions]
     widest = sorted(range(len(regions)), key=lambda i: -widths[i])
     shown, rest = sorted(widest[:MOST_LINES]), widest[MOST_LINES:]
     names = [_name(regions[i]) for i in shown]

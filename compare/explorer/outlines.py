@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 
 from compare.overlay import legend_handles
 from floquet import Region, StabilityChart
-from floquet.outline import Loop, crossings
+from floquet.outline import Loop, largest_width
 from periodic.checks import FloatArray
 
 LINE_WIDTH = 1.0
@@ -26,17 +26,9 @@ def closed(values: FloatArray) -> FloatArray:
     return np.append(values, values[:1])
 
 
-def largest_width(outlines: Sequence[Loop]) -> float:
-    """Return the largest width in Omega, at one eps, of what lies inside the outlines."""
-    bottom, top = min(loop.eps.min() for loop in outlines), max(loop.eps.max() for loop in outlines)
-    levels = bottom + (top - bottom) * (np.arange(LEVELS) + 0.5) / LEVELS
-    ends = [crossings(outlines, level) for level in levels]
-    return max((right - left for row in ends for left, right in zip(row[::2], row[1::2], strict=True)), default=0.0)
-
-
 def is_narrow(loop: Loop, Omega_range: FloatArray) -> bool:
     """Return whether an outline in the window ``Omega_range`` is narrower than a line of the picture."""
-    return bool(largest_width([loop]) < NARROW * (Omega_range[-1] - Omega_range[0]))
+    return bool(largest_width([loop], LEVELS) < NARROW * (Omega_range[-1] - Omega_range[0]))
 
 
 def draw_outlines(figure: Figure, chart: StabilityChart, regions: Sequence[Region]) -> None:

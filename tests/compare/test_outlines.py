@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from compare import overlay
-from compare.explorer.outlines import FAINT, draw_outlines, is_narrow, largest_width
+from compare.explorer.outlines import FAINT, draw_outlines, is_narrow
 from floquet import stability_chart, trace_regions
-from floquet.outline import Loop
+from floquet.outline import Loop, largest_width
 from periodic.examples import mathieu
 
 
@@ -28,7 +28,7 @@ def test_a_hole_and_a_branch_count_as_they_should() -> None:
         return Loop(*corners, np.full(4, 2, dtype=np.int8))
 
     hole, branch = box(1.0, 2.0, 1.0, 3.0), box(1.0, 1.5, 0.0, 1.0)
-    assert largest_width([box(0.0, 4.0, 1.0, 3.0), hole, branch]) == 2.0
+    assert largest_width([box(0.0, 4.0, 1.0, 3.0), hole, branch], 32) == 2.0
 
 
 def test_narrow_regions_are_faint_and_the_legend_says_so() -> None:
