@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from floquet.kernels import multiply
 from floquet.schedule import Schedule
 from periodic.checks import FloatArray
 
@@ -42,6 +43,7 @@ def doublings(N: int, plan: Schedule, scale: Scale, work: tuple[FloatArray, Floa
     that are in use at a time.
     """
     phases, nodes, weights, pairs = plan.phases, plan.nodes, plan.weights, plan.pairs
+    losses = scale.losses
     here, done, used, size = 0, 0, 0, N * N
     for level in range(plan.others.size):
         p, e, m, k = phases[level], plan.others[level], nodes[level], plan.groups[level]
@@ -65,13 +67,13 @@ def doublings(N: int, plan: Schedule, scale: Scale, work: tuple[FloatArray, Floa
         for i in range(q * k):
             phase, a = i // k, i % k
             begin, end = first[phase] * k + a, second[phase] * k + a
-            np.dot(P[end], P[begin], result[i])
+            multiply(P[end], P[begin], result[i])
             if plan.watched[level]:
                 loss = cancellation(P[end], P[begin], result[i])
-                if plan.grid[level]:
-                    scale.losses[i % scale.losses.size] = max(scale.losses[i % scale.losses.size], loss)
-                else:
-                    scale.losses[:] = np.maximum(scale.losses, loss)
+                # samples that are no grid belong to all amplitudes
+                first_one, last_one = (i % losses.size, i % losses.size + 1) if plan.grid[level] else (0, losses.size)
+                for c in range(first_one, last_one):
+                    losses[c] = max(losses[c], loss)
         here = 1 - here
         scale.exponents[:] *= 2.0
         rescale(result, scale, plan.grid[level])

@@ -1,11 +1,34 @@
-"""One step of the chart integrator, for every phase and amplitude that the doubling starts from."""
+"""One step of the chart integrator, for every phase and amplitude that the doubling starts from, and products of small
+matrices."""
 
 from __future__ import annotations
 
 import numpy as np
 from numba import njit
 
+from floquet.lanes import WIDTH, fma, load_row, spread, store_row
 from periodic.checks import FloatArray
+
+
+@njit(cache=True, nogil=True)
+def multiply(A: FloatArray, B: FloatArray, C: FloatArray) -> None:
+    """Write A B into C, all C-contiguous and apart. Where a row fits into lanes, BLAS would take longer to begin."""
+    rows, columns = C.shape
+    if columns > WIDTH:
+        np.dot(A, B, C)
+        return
+    last = rows - 1
+    for i in range(0, rows, 4):
+        i1, i2, i3 = min(i + 1, last), min(i + 2, last), min(i + 3, last)
+        c0 = c1 = c2 = c3 = spread(0.0)
+        for k in range(B.shape[0]):
+            b = load_row(B, k)
+            c0, c1 = fma(spread(A[i, k]), b, c0), fma(spread(A[i1, k]), b, c1)
+            c2, c3 = fma(spread(A[i2, k]), b, c2), fma(spread(A[i3, k]), b, c3)
+        store_row(C, i, c0)
+        store_row(C, i1, c1)
+        store_row(C, i2, c2)
+        store_row(C, i3, c3)
 
 
 @njit(cache=True, nogil=True)
@@ -70,12 +93,12 @@ def single_steps(
     F, F2, moved = np.empty((n, n)), np.empty((n, n)), np.empty((N, n))
     for i in range(theta.size):
         forcing(Fc, Fs, theta[i], F)
-        np.dot(F, F, F2)
+        multiply(F, F, F2)
         linear, quadratic = -h * eps[i], h**3 * eps[i] ** 2 / 12.0
         for r in range(n):
             for c in range(n):
                 F[r, c] = left[r] * (linear * F[r, c] + quadratic * F2[r, c]) * right[c]
-        np.dot(E2, F, moved)
+        multiply(E2, F, moved)
         P[i] = E
         for r in range(N):
             for c in range(n):

@@ -25,6 +25,7 @@ from periodic.checks import FloatArray
 # Two registers of the widest kind: while one waits for a square root or a quotient, the other works.
 WIDTH = 16
 VECTOR = ir.VectorType(ir.DoubleType(), WIDTH)
+ALIGNMENT = ir.Constant(ir.IntType(32), 8)  # bytes, of the entries of matrices
 
 
 # ---- what kernels use, in plain NumPy ----
@@ -38,6 +39,18 @@ def load(array: FloatArray, i: int, j: int) -> FloatArray:
 def store(array: FloatArray, i: int, j: int, value: FloatArray) -> None:
     """Write the lanes at row i, column j."""
     array[i, j] = value
+
+
+def load_row(matrix: FloatArray, i: int) -> FloatArray:
+    """Return row i of a C-contiguous matrix of at most 16 columns, zeros after it."""
+    row = np.zeros(WIDTH)
+    row[: matrix.shape[1]] = matrix[i]
+    return row
+
+
+def store_row(matrix: FloatArray, i: int, value: FloatArray) -> None:
+    """Write the first of the lanes to row i of such a matrix, as many as it has columns."""
+    matrix[i] = value[: matrix.shape[1]]
 
 
 def spread(value: float) -> FloatArray:
@@ -99,9 +112,10 @@ def _typed(function: Any, result: types.Type) -> None:
     type_callable(function)(lambda context: typer)
 
 
-for _named in (load, spread, fma, root, magnitude, pick_le):
+for _named in (load, load_row, spread, fma, root, magnitude, pick_le):
     _typed(_named, LANES)
 _typed(store, types.none)
+_typed(store_row, types.none)
 _typed(highest, types.float64)
 
 
@@ -139,11 +153,46 @@ def _store(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return context.get_dummy_value()
 
 
+def _row(context: Any, builder: Any, sig: Any, args: Any) -> tuple[Any, Any]:
+    """Return the address of row args[1] of the matrix args[0], and which lanes it has."""
+    view = context.make_array(sig.args[0])(context, builder, args[0])
+    columns = cgutils.unpack_tuple(builder, view.shape)[1]
+    start = builder.mul(context.cast(builder, args[1], sig.args[1], types.intp), columns)
+    address = builder.bitcast(builder.gep(view.data, [start]), VECTOR.as_pointer())
+    numbers = ir.Constant(ir.VectorType(columns.type, WIDTH), list(range(WIDTH)))
+    return address, builder.icmp_signed("<", numbers, _repeated(builder, columns))
+
+
+def _masked(builder: Any, name: str, result: Any, *args: Any) -> Any:
+    """Call LLVM's masked load or store of lanes at addresses of floats."""
+    kind = ir.FunctionType(result, [arg.type for arg in args])
+    function = cgutils.get_or_insert_function(builder.module, kind, f"llvm.masked.{name}.v{WIDTH}f64.p0")
+    return builder.call(function, args)
+
+
+@lower_builtin(load_row, types.Array, types.Integer)
+def _load_row(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    address, lanes = _row(context, builder, sig, args)
+    return _masked(builder, "load", VECTOR, address, ALIGNMENT, lanes, ir.Constant(VECTOR, [0.0] * WIDTH))
+
+
+@lower_builtin(store_row, types.Array, types.Integer, LanesType)
+def _store_row(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    address, lanes = _row(context, builder, sig, args)
+    _masked(builder, "store", ir.VoidType(), args[2], address, ALIGNMENT, lanes)
+    return context.get_dummy_value()
+
+
+def _repeated(builder: Any, value: Any) -> Any:
+    """Return a vector that holds the scalar ``value`` in every lane."""
+    vector = ir.Constant(ir.VectorType(value.type, WIDTH), ir.Undefined)
+    lane = builder.insert_element(vector, value, ir.Constant(ir.IntType(32), 0))
+    return builder.shuffle_vector(lane, lane, ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [0] * WIDTH))
+
+
 @lower_builtin(spread, types.Number)
 def _spread(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    value = context.cast(builder, args[0], sig.args[0], types.float64)
-    lane = builder.insert_element(ir.Constant(VECTOR, ir.Undefined), value, ir.Constant(ir.IntType(32), 0))
-    return builder.shuffle_vector(lane, lane, ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [0] * WIDTH))
+    return _repeated(builder, context.cast(builder, args[0], sig.args[0], types.float64))
 
 
 def _instruction(function: Any, name: str) -> None:

@@ -20,9 +20,7 @@ SWEEPS_PER_EIGENVALUE = 30  # at most, as LAPACK; two or three is usual
 EXCEPTIONAL = 10  # sweeps without success, after which an odd shift is tried
 
 # rows of the lane array that holds the state of the QR iteration
-LO, HI, X, Y, Z = range(5)
-ENTRIES = 5  # and after it those of the matrix that a sweep begins with
-STATE = ENTRIES + 8
+LO, HI, IDLE, X, Y, Z, STATE = range(7)
 
 
 @njit(cache=True, nogil=True)
@@ -54,19 +52,16 @@ def hessenberg_eigenvalues(H: FloatArray, real: FloatArray, imag: FloatArray, wo
     off; a lane is finished at hi = -1. Eigenvalues that have not converged are NaN. ``work`` has shape (1, STATE, 16).
     """
     n = real.shape[0]
-    work[:] = 1.0
-    lo, hi = work[0, LO], work[0, HI]
-    hi[:] = n - 1
+    work[0, HI], work[0, IDLE] = n - 1, 0.0
     real[:], imag[:] = np.nan, np.nan
-    idle = np.zeros(WIDTH, np.int64)  # sweeps since the lane last split
     for _ in range(SWEEPS_PER_EIGENVALUE * n):
         _find_windows(H, work)
-        while _split_off(H, real, imag, lo, hi, idle):
+        while _split_off(H, real, imag, work):
             _find_windows(H, work)
         start, stop = int(-highest(-load(work, 0, LO))), int(highest(load(work, 0, HI)))
         if stop < 0:
             return
-        _first_columns(H, work, idle)
+        _first_columns(H, work, start, stop)
         _sweep(H, work, start, stop)
 
 
@@ -86,10 +81,9 @@ def _find_windows(H: FloatArray, work: FloatArray) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _split_off(
-    H: FloatArray, real: FloatArray, imag: FloatArray, lo: FloatArray, hi: FloatArray, idle: NDArray[np.int64]
-) -> bool:
+def _split_off(H: FloatArray, real: FloatArray, imag: FloatArray, work: FloatArray) -> bool:
     """Take the eigenvalues of windows of one or two rows; return whether there were any."""
+    lo, hi, idle = work[0, LO], work[0, HI], work[0, IDLE]
     found = False
     for lane in range(WIDTH):
         i, k = int(lo[lane]), int(hi[lane])
@@ -97,7 +91,7 @@ def _split_off(
             continue
         found = True
         hi[lane] = i - 1
-        idle[lane] = 0
+        idle[lane] = 0.0
         d = H[k, k, lane]
         real[i, lane], real[k, lane], imag[i, lane], imag[k, lane] = d, d, 0.0, 0.0
         if i < k:
@@ -114,32 +108,33 @@ def _split_off(
 
 
 @njit(cache=True, nogil=True)
-def _first_columns(H: FloatArray, work: FloatArray, idle: NDArray[np.int64]) -> None:
-    """Write the first column of (H - a)(H - b), up to a factor, of every lane, where a and b are its shifts."""
-    entries = work[0, ENTRIES:]
-    for lane in range(WIDTH):
-        lo, hi = int(work[0, LO, lane]), int(work[0, HI, lane])
-        if hi < 0:
-            continue
-        idle[lane] += 1
-        entries[0, lane] = H[hi, hi, lane]
-        entries[1, lane] = H[hi - 1, hi - 1, lane]
-        entries[2, lane] = H[hi, hi - 1, lane] * H[hi - 1, hi, lane]
-        if idle[lane] % EXCEPTIONAL == 0:
-            size = abs(H[hi, hi - 1, lane]) + abs(H[hi - 1, hi - 2, lane])
-            entries[0, lane] = entries[1, lane] = H[hi, hi, lane] + 0.75 * size
-            entries[2, lane] = -0.4375 * size * size
-        entries[3, lane] = H[lo, lo, lane]
-        entries[4, lane] = H[lo + 1, lo, lane]
-        entries[5, lane] = H[lo, lo + 1, lane]
-        entries[6, lane] = H[lo + 1, lo + 1, lane]
-        entries[7, lane] = H[lo + 2, lo + 1, lane]
-    p = load(work, 0, ENTRIES + 3)
-    r, s = load(work, 0, ENTRIES) - p, load(work, 0, ENTRIES + 1) - p
-    top = (r * s - load(work, 0, ENTRIES + 2)) / load(work, 0, ENTRIES + 4)
-    store(work, 0, X, top + load(work, 0, ENTRIES + 5))
-    store(work, 0, Y, load(work, 0, ENTRIES + 6) - p - r - s)
-    store(work, 0, Z, load(work, 0, ENTRIES + 7))
+def _first_columns(H: FloatArray, work: FloatArray, start: int, stop: int) -> None:
+    """Write the first column of (H - a)(H - b), up to a factor, in the window of every lane, all within start..stop.
+
+    The shifts a and b are the eigenvalues of the last two rows. Entries pass by, and every lane keeps its own: most
+    windows begin in the same row, and most end in one of a few.
+    """
+    lo, hi, zero, one = load(work, 0, LO), load(work, 0, HI), spread(0.0), spread(1.0)
+    a, b, ab = zero, zero, zero
+    for k in range(int(-highest(-pick_le(zero, hi, hi, spread(float(stop))))), stop + 1):
+        here = spread(float(k))
+        a, b = pick_le(here, hi, load(H, k, k), a), pick_le(here, hi, load(H, k - 1, k - 1), b)
+        ab = pick_le(here, hi, load(H, k, k - 1) * load(H, k - 1, k), ab)
+    h11, h12, h21, h22, h32 = zero, zero, one, zero, zero
+    for k in range(start, int(highest(pick_le(zero, hi, lo, zero))) + 1):
+        here = spread(float(k))
+        h11, h12 = pick_le(here, lo, load(H, k, k), h11), pick_le(here, lo, load(H, k, k + 1), h12)
+        h21, h22 = pick_le(here, lo, load(H, k + 1, k), h21), pick_le(here, lo, load(H, k + 1, k + 1), h22)
+        h32 = pick_le(here, lo, load(H, k + 2, k + 1), h32)
+    # LAPACK's exceptional shift, where sweeps are in vain
+    size, idle, most = magnitude(h21) + magnitude(h32), load(work, 0, IDLE), spread(float(EXCEPTIONAL))
+    odd = h11 + spread(0.75) * size
+    a, b = pick_le(most, idle, odd, a) - h11, pick_le(most, idle, odd, b) - h11
+    ab = pick_le(most, idle, spread(-0.4375) * size * size, ab)
+    store(work, 0, X, (a * b - ab) / pick_le(zero, hi, h21, one) + h12)
+    store(work, 0, Y, h22 - h11 - a - b)
+    store(work, 0, Z, h32)
+    store(work, 0, IDLE, pick_le(most, idle, zero, idle) + one)
 
 
 @njit(cache=True, nogil=True)

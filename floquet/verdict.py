@@ -134,7 +134,12 @@ def dominant_symplectic(s: ComplexArray, exponents: FloatArray, norms: FloatArra
 def _least_chord(cosines: FloatArray) -> float:
     """Return the smallest distance between two of the points on the unit circle that have these cosines; sorts them."""
     last_c, last_s, least = 1.0, 0.0, np.inf
-    cosines.sort()
+    for i in range(1, cosines.size):  # by insertion: they are few, and Numba's sort takes longer to begin
+        c, k = cosines[i], i
+        while k > 0 and cosines[k - 1] > c:
+            cosines[k] = cosines[k - 1]
+            k -= 1
+        cosines[k] = c
     for i in range(cosines.size - 1, -1, -1):
         c = cosines[i]
         sine = np.sqrt((1.0 - c) * (1.0 + c))

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from numba import njit
 
-from floquet.lanes import WIDTH, fma, highest, load, magnitude, pick_le, root, spread, store
+from floquet.kernels import multiply
+from floquet.lanes import WIDTH, fma, highest, load, load_row, magnitude, pick_le, root, spread, store, store_row
 
 pytestmark = pytest.mark.kernel
 
@@ -69,3 +70,37 @@ def test_loaded_lanes_are_a_copy():
     expected = a[:, ::-1].copy()
     swap(a)
     assert (a == expected).all()
+
+
+@pytest.mark.parametrize("columns", [1, 2, 7, 8, 9, WIDTH])
+def test_rows_of_matrices(columns):
+    @njit
+    def copy(a, b):
+        for i in range(a.shape[0]):
+            store_row(b, i, load_row(a, i))
+
+    a = np.random.default_rng(0).standard_normal((3, columns))
+    room = np.full(3 * columns + WIDTH, 7.0)
+    copy(a, room[: 3 * columns].reshape(3, columns))
+    assert (room[: 3 * columns] == a.ravel()).all()
+    assert (room[3 * columns :] == 7.0).all()
+
+
+def test_row_ends_with_zeros():
+    @njit
+    def row(a, out):
+        store(out, 0, 0, load_row(a, 0))
+
+    out = np.full((1, 1, WIDTH), np.nan)
+    row(np.full((2, 3), 5.0), out)
+    assert out.ravel().tolist() == [5.0] * 3 + [0.0] * (WIDTH - 3)
+
+
+@pytest.mark.parametrize(("rows", "inner", "columns"), [(2, 2, 2), (6, 6, 3), (7, 5, 9), (16, 16, 16), (18, 18, 18)])
+def test_product(rows, inner, columns):
+    rng = np.random.default_rng(0)
+    A, B = rng.standard_normal((rows, inner)), rng.standard_normal((inner, columns))
+    C = np.full((rows + 1, columns), 7.0)
+    multiply(A, B, C[:rows])
+    np.testing.assert_allclose(C[:rows], A @ B, rtol=0, atol=1e-14)
+    assert (C[rows] == 7.0).all()
