@@ -67,7 +67,7 @@ def doublings(N: int, plan: Schedule, scale: Scale, work: tuple[FloatArray, Floa
         for i in range(q * k):
             phase, a = i // k, i % k
             begin, end = first[phase] * k + a, second[phase] * k + a
-            multiply(P[end], P[begin], result[i])
+            multiply(P, begin, end, result, i)
             if plan.watched[level]:
                 loss = cancellation(P[end], P[begin], result[i])
                 # samples that are no grid belong to all amplitudes

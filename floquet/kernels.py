@@ -1,34 +1,36 @@
-"""One step of the chart integrator, for every phase and amplitude that the doubling starts from, and products of small
-matrices."""
+"""One step of the chart integrator, for every phase and amplitude that the doubling starts from; products."""
 
 from __future__ import annotations
 
 import numpy as np
 from numba import njit
 
-from floquet.lanes import WIDTH, fma, load_row, spread, store_row
+from floquet.lanes import ROW, fma, load_row, spread, store_row
 from periodic.checks import FloatArray
 
 
 @njit(cache=True, nogil=True)
-def multiply(A: FloatArray, B: FloatArray, C: FloatArray) -> None:
-    """Write A B into C, all C-contiguous and apart. Where a row fits into lanes, BLAS would take longer to begin."""
-    rows, columns = C.shape
-    if columns > WIDTH:
-        np.dot(A, B, C)
+def multiply(P: FloatArray, first: int, second: int, Q: FloatArray, i: int) -> None:
+    """Write P[second] P[first] into Q[i]; P and Q are C-contiguous and apart, (matrices, N, N).
+
+    Where a row fits into lanes, BLAS would take longer to begin than to multiply.
+    """
+    N = P.shape[1]
+    if N > ROW:
+        np.dot(P[second], P[first], Q[i])
         return
-    last = rows - 1
-    for i in range(0, rows, 4):
-        i1, i2, i3 = min(i + 1, last), min(i + 2, last), min(i + 3, last)
-        c0 = c1 = c2 = c3 = spread(0.0)
-        for k in range(B.shape[0]):
-            b = load_row(B, k)
-            c0, c1 = fma(spread(A[i, k]), b, c0), fma(spread(A[i1, k]), b, c1)
-            c2, c3 = fma(spread(A[i2, k]), b, c2), fma(spread(A[i3, k]), b, c3)
-        store_row(C, i, c0)
-        store_row(C, i1, c1)
-        store_row(C, i2, c2)
-        store_row(C, i3, c3)
+    last = N - 1
+    for r in range(0, N, 4):
+        r1, r2, r3 = min(r + 1, last), min(r + 2, last), min(r + 3, last)
+        q0 = q1 = q2 = q3 = spread(0.0)
+        for k in range(N):
+            row = load_row(P, first, k)
+            q0, q1 = fma(spread(P[second, r, k]), row, q0), fma(spread(P[second, r1, k]), row, q1)
+            q2, q3 = fma(spread(P[second, r2, k]), row, q2), fma(spread(P[second, r3, k]), row, q3)
+        store_row(Q, i, r, q0)
+        store_row(Q, i, r1, q1)
+        store_row(Q, i, r2, q2)
+        store_row(Q, i, r3, q3)
 
 
 @njit(cache=True, nogil=True)
@@ -93,12 +95,12 @@ def single_steps(
     F, F2, moved = np.empty((n, n)), np.empty((n, n)), np.empty((N, n))
     for i in range(theta.size):
         forcing(Fc, Fs, theta[i], F)
-        multiply(F, F, F2)
+        np.dot(F, F, F2)
         linear, quadratic = -h * eps[i], h**3 * eps[i] ** 2 / 12.0
         for r in range(n):
             for c in range(n):
                 F[r, c] = left[r] * (linear * F[r, c] + quadratic * F2[r, c]) * right[c]
-        multiply(E2, F, moved)
+        np.dot(E2, F, moved)
         P[i] = E
         for r in range(N):
             for c in range(n):

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 from llvmlite import ir
+from llvmlite.binding import get_host_cpu_features
 from numba import types
 from numba.core import cgutils
 from numba.core.typing import signature
@@ -25,7 +26,11 @@ from periodic.checks import FloatArray
 # Two registers of the widest kind: while one waits for a square root or a quotient, the other works.
 WIDTH = 16
 VECTOR = ir.VectorType(ir.DoubleType(), WIDTH)
-ALIGNMENT = ir.Constant(ir.IntType(32), 8)  # bytes, of the entries of matrices
+ALL = ir.Constant(ir.IntType(64), WIDTH)
+ALIGNMENT = ir.Constant(ir.IntType(32), 8)  # bytes, of an entry
+# Rows of at most so many entries are better loaded as lanes than given to BLAS; none, where no instruction loads a part
+# of a register.
+ROW = WIDTH if get_host_cpu_features().get("avx") else 0
 
 
 # ---- what kernels use, in plain NumPy ----
@@ -41,16 +46,16 @@ def store(array: FloatArray, i: int, j: int, value: FloatArray) -> None:
     array[i, j] = value
 
 
-def load_row(matrix: FloatArray, i: int) -> FloatArray:
-    """Return row i of a C-contiguous matrix of at most 16 columns, zeros after it."""
+def load_row(matrices: FloatArray, k: int, i: int) -> FloatArray:
+    """Return row i of matrix k of a C-contiguous array (matrices, rows, columns), columns <= 16, zeros after it."""
     row = np.zeros(WIDTH)
-    row[: matrix.shape[1]] = matrix[i]
+    row[: matrices.shape[2]] = matrices[k, i]
     return row
 
 
-def store_row(matrix: FloatArray, i: int, value: FloatArray) -> None:
-    """Write the first of the lanes to row i of such a matrix, as many as it has columns."""
-    matrix[i] = value[: matrix.shape[1]]
+def store_row(matrices: FloatArray, k: int, i: int, value: FloatArray) -> None:
+    """Write the first of the lanes to row i of matrix k of such an array, as many as there are columns."""
+    matrices[k, i] = value[: matrices.shape[2]]
 
 
 def spread(value: float) -> FloatArray:
@@ -132,54 +137,52 @@ class _Unary(ConcreteTemplate):
     cases = [signature(LANES, LANES)]  # noqa: RUF012
 
 
-def _pointer(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    """Return the address of the lanes at row args[1], column args[2] of the array args[0]."""
+def _pointer(context: Any, builder: Any, sig: Any, args: Any, length: Any) -> Any:
+    """Return the address of the entries [args[1], args[2]] of the array args[0], so many on its last axis, as lanes."""
     view = context.make_array(sig.args[0])(context, builder, args[0])
     i, j = (context.cast(builder, args[k], sig.args[k], types.intp) for k in (1, 2))
     columns = cgutils.unpack_tuple(builder, view.shape)[1]
-    lanes = builder.add(builder.mul(i, columns), j)
-    address = builder.gep(view.data, [builder.mul(lanes, ir.Constant(ir.IntType(64), WIDTH))])
-    return builder.bitcast(address, VECTOR.as_pointer())
+    entry = builder.add(builder.mul(i, columns), j)
+    return builder.bitcast(builder.gep(view.data, [builder.mul(entry, length)]), VECTOR.as_pointer())
 
 
 @lower_builtin(load, types.Array, types.Integer, types.Integer)
 def _load(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    return builder.load(_pointer(context, builder, sig, args), align=8)
+    return builder.load(_pointer(context, builder, sig, args, ALL), align=8)
 
 
 @lower_builtin(store, types.Array, types.Integer, types.Integer, LanesType)
 def _store(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    builder.store(args[3], _pointer(context, builder, sig, args), align=8)
+    builder.store(args[3], _pointer(context, builder, sig, args, ALL), align=8)
     return context.get_dummy_value()
 
 
 def _row(context: Any, builder: Any, sig: Any, args: Any) -> tuple[Any, Any]:
-    """Return the address of row args[1] of the matrix args[0], and which lanes it has."""
+    """Return the address of a row, and which lanes are in it."""
     view = context.make_array(sig.args[0])(context, builder, args[0])
-    columns = cgutils.unpack_tuple(builder, view.shape)[1]
-    start = builder.mul(context.cast(builder, args[1], sig.args[1], types.intp), columns)
-    address = builder.bitcast(builder.gep(view.data, [start]), VECTOR.as_pointer())
-    numbers = ir.Constant(ir.VectorType(columns.type, WIDTH), list(range(WIDTH)))
-    return address, builder.icmp_signed("<", numbers, _repeated(builder, columns))
+    length = cgutils.unpack_tuple(builder, view.shape)[2]
+    numbers = ir.Constant(ir.VectorType(length.type, WIDTH), list(range(WIDTH)))
+    inside = builder.icmp_signed("<", numbers, _repeated(builder, length))
+    return _pointer(context, builder, sig, args, length), inside
 
 
 def _masked(builder: Any, name: str, result: Any, *args: Any) -> Any:
-    """Call LLVM's masked load or store of lanes at addresses of floats."""
+    """Call LLVM's load or store of some lanes."""
     kind = ir.FunctionType(result, [arg.type for arg in args])
     function = cgutils.get_or_insert_function(builder.module, kind, f"llvm.masked.{name}.v{WIDTH}f64.p0")
     return builder.call(function, args)
 
 
-@lower_builtin(load_row, types.Array, types.Integer)
+@lower_builtin(load_row, types.Array, types.Integer, types.Integer)
 def _load_row(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    address, lanes = _row(context, builder, sig, args)
-    return _masked(builder, "load", VECTOR, address, ALIGNMENT, lanes, ir.Constant(VECTOR, [0.0] * WIDTH))
+    address, inside = _row(context, builder, sig, args)
+    return _masked(builder, "load", VECTOR, address, ALIGNMENT, inside, ir.Constant(VECTOR, [0.0] * WIDTH))
 
 
-@lower_builtin(store_row, types.Array, types.Integer, LanesType)
+@lower_builtin(store_row, types.Array, types.Integer, types.Integer, LanesType)
 def _store_row(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    address, lanes = _row(context, builder, sig, args)
-    _masked(builder, "store", ir.VoidType(), args[2], address, ALIGNMENT, lanes)
+    address, inside = _row(context, builder, sig, args)
+    _masked(builder, "store", ir.VoidType(), args[3], address, ALIGNMENT, inside)
     return context.get_dummy_value()
 
 

@@ -76,31 +76,31 @@ def test_loaded_lanes_are_a_copy():
 def test_rows_of_matrices(columns):
     @njit
     def copy(a, b):
-        for i in range(a.shape[0]):
-            store_row(b, i, load_row(a, i))
+        for k in range(a.shape[0]):
+            for i in range(a.shape[1]):
+                store_row(b, k, i, load_row(a, k, i))
 
-    a = np.random.default_rng(0).standard_normal((3, columns))
-    room = np.full(3 * columns + WIDTH, 7.0)
-    copy(a, room[: 3 * columns].reshape(3, columns))
-    assert (room[: 3 * columns] == a.ravel()).all()
-    assert (room[3 * columns :] == 7.0).all()
+    a = np.random.default_rng(0).standard_normal((2, 3, columns))
+    room = np.full(a.size + WIDTH, 7.0)
+    copy(a, room[: a.size].reshape(a.shape))
+    assert (room[: a.size] == a.ravel()).all()
+    assert (room[a.size :] == 7.0).all()
 
 
 def test_row_ends_with_zeros():
     @njit
     def row(a, out):
-        store(out, 0, 0, load_row(a, 0))
+        store(out, 0, 0, load_row(a, 0, 0))
 
     out = np.full((1, 1, WIDTH), np.nan)
-    row(np.full((2, 3), 5.0), out)
+    row(np.full((1, 2, 3), 5.0), out)
     assert out.ravel().tolist() == [5.0] * 3 + [0.0] * (WIDTH - 3)
 
 
-@pytest.mark.parametrize(("rows", "inner", "columns"), [(2, 2, 2), (6, 6, 3), (7, 5, 9), (16, 16, 16), (18, 18, 18)])
-def test_product(rows, inner, columns):
-    rng = np.random.default_rng(0)
-    A, B = rng.standard_normal((rows, inner)), rng.standard_normal((inner, columns))
-    C = np.full((rows + 1, columns), 7.0)
-    multiply(A, B, C[:rows])
-    np.testing.assert_allclose(C[:rows], A @ B, rtol=0, atol=1e-14)
-    assert (C[rows] == 7.0).all()
+@pytest.mark.parametrize("N", [1, 2, 5, 6, 16, 18])
+def test_product(N):
+    P = np.random.default_rng(0).standard_normal((3, N, N))
+    Q = np.full((3, N, N), 7.0)
+    multiply(P, 2, 0, Q, 1)
+    np.testing.assert_allclose(Q[1], P[0] @ P[2], rtol=0, atol=1e-14)
+    assert (Q[[0, 2]] == 7.0).all()
