@@ -11,7 +11,8 @@ from periodic.checks import FloatArray
 
 @njit(cache=True, nogil=True)
 def multiply(P: FloatArray, first: int, second: int, Q: FloatArray, i: int) -> None:
-    """Write P[second] P[first] into Q[i]; P and Q are C-contiguous and apart, (matrices, N, N).
+    """Write P[second] P[first] into Q[i]; P and Q are C-contiguous, (matrices, N, N), the result apart from
+    the factors.
 
     Where a row fits into lanes, BLAS would take longer to begin than to multiply.
     """
@@ -43,14 +44,22 @@ def exponential(A: FloatArray) -> FloatArray:
     while norm > 0.5:
         norm *= 0.5
         squarings += 1
-    A = A * 0.5**squarings
-    E = np.eye(A.shape[0])
-    term, bound, k = E, 1.0, 0
+    terms, bound = 0, 1.0
     while bound > 1e-18:
-        k += 1
-        bound *= norm / k
-        term = np.dot(A, term) / k
-        E = E + term
+        terms += 1
+        bound *= norm / terms
+    N, here = A.shape[0], 1
+    P = np.zeros((3, N, N))  # A, and the sum in turn
+    P[0] = A * 0.5**squarings
+    np.fill_diagonal(P[1], 1.0)
+    for k in range(terms, 0, -1):  # I + A (I + A/2 (I + A/3 (...)))
+        multiply(P, here, 0, P, 3 - here)
+        here = 3 - here
+        for i in range(N):
+            for j in range(N):
+                P[here, i, j] /= k
+            P[here, i, i] += 1.0
+    E = P[here].copy()
     for _ in range(squarings):
         E = np.dot(E, E)
     return E

@@ -15,7 +15,7 @@ from floquet.doubling import Scale, cancellation, doublings, rescale, unit_scale
 from floquet.interpolation import chebyshev_points, chebyshev_weights, degree, trigonometric_weights
 from floquet.kept import kept
 from floquet.kernels import single_steps
-from floquet.lanes import WIDTH
+from floquet.lanes import WIDTH, fma, load, pick_le, root, spread, store
 from floquet.schedule import MOST_GROWTH, TOLERANCE, Schedule, growth, phase_count, quantised, schedule
 from periodic.checks import FloatArray
 
@@ -97,7 +97,7 @@ class Sampler:
         norms, alike = _norms(samples, plan.weights)
         if not alike:
             return None
-        scale = Scale(*(np.full(len(eps), part[0]) for part in scale))
+        scale = Scale(*(part.repeat(len(eps)) for part in scale))
         return Panel(slice(0), samples, plan.weights, scale, norms[: len(eps)])
 
     def plan(self, eps: FloatArray, L: int, tolerance: float) -> Interpolation | None:
@@ -219,15 +219,20 @@ def _samples(
 def _norms(samples: FloatArray, weights: FloatArray) -> tuple[FloatArray, bool]:
     """Return the norms of combinations of ``samples`` with weights as in `Panel`, 1 for a rotation, and whether the
     samples themselves are of about the same size."""
-    m, N = samples.shape[0], samples.shape[1]
-    flat = samples.reshape(m, N * N)
+    groups, m, N = weights.shape[0], samples.shape[0], samples.shape[1]
+    flat, zero = samples.reshape(m, N * N), spread(0.0)
     squares = np.dot(flat, flat.T) / N
-    norms = np.empty(weights.shape[0] * weights.shape[2])
-    for g in range(weights.shape[0]):
-        found = (weights[g] * np.dot(squares, weights[g])).sum(axis=0)
-        norms[g * found.size : (g + 1) * found.size] = np.sqrt(np.maximum(found, 0.0))
+    norms = np.empty((1, groups, WIDTH))
+    for g in range(groups):
+        square = zero
+        for a in range(m):
+            part = zero
+            for b in range(m):
+                part = fma(spread(squares[a, b]), load(weights, g, b), part)
+            square = fma(part, load(weights, g, a), square)
+        store(norms, 0, g, root(pick_le(zero, square, square, zero)))
     sizes = np.diag(squares)
-    return norms, sizes.max() <= MOST_CONTRAST**2 * sizes.min()
+    return norms.reshape(groups * WIDTH), sizes.max() <= MOST_CONTRAST**2 * sizes.min()
 
 
 def in_lanes(weights: FloatArray) -> FloatArray:
