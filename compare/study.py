@@ -119,8 +119,9 @@ class VariantStudy:
 
     @property
     def passed_audit(self) -> bool:
-        """Whether the cells of the chart that another integrator computed again bore it out."""
-        return self.chart.audit is not None and self.chart.audit.ok
+        """Whether another integrator computed some cells of the chart again, and they bore it out."""
+        audit = self.chart.audit
+        return audit is not None and audit.compared > 0 and audit.ok
 
     @property
     def audit(self) -> str:
