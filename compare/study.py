@@ -22,7 +22,7 @@ from periodic import SystemFamily
 from periodic.checks import FloatArray
 from perturb import TransitionCurve, transition_curves
 
-# A traced boundary is smooth: this many points along eps draw it without corners.
+# A traced boundary is smooth but where it meets another: this many points along eps draw it without corners.
 TRACE_POINTS = 12
 # Regions that start beyond the window by this part may reach into it.
 MARGIN = 0.1

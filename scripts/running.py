@@ -45,7 +45,10 @@ def run(name: str, options: argparse.Namespace, work: Callable[[BlockStore], int
         if own and any(folder.glob("*.block")):
             what = f"{folder} holds finished parts of charts of a run that was stopped"
             print(what if options.resume else f"{what}; --resume goes on with them")
-        store = BlockStore(folder, fresh=options.resume is None)
+        try:
+            store = BlockStore(folder, fresh=options.resume is None)
+        except ValueError as error:
+            raise ValueError(f"{f'--output {options.output}' if own else f'--resume {folder}'}: {error}") from None
         with workers_at(options.dask) as remark:
             if remark:
                 print(remark)

@@ -173,8 +173,22 @@ def analytic_curves(
     try:
         curves = transition_curves(family, (max(low - beside, 0.0), high + beside), order=order)
     except ValueError as error:  # the window has been checked: it is the system that the theory refuses
-        return [], f"The analytic curves are left out: {error}."
+        return [], f"The analytic curves are left out: {error}." + _without_stiffness(family.at(low))
     return [curve for curve in curves if _enters(curve, window, eps_max)], ""
+
+
+def _without_stiffness(system: PeriodicSystem) -> str:
+    """Return what there is to say of motions that no stiffness holds; nothing if there are none."""
+    scale = np.linalg.inv(np.linalg.cholesky(system.mass))
+    held = np.linalg.svd(scale @ system.stiffness @ scale.T, compute_uv=False)
+    free = int((held <= RIGID**2 * held[0]).sum())
+    if free == 0:
+        return ""
+    motions = "1 motion has" if free == 1 else f"{free} motions have"
+    return (
+        f" {motions} no stiffness (K is singular), hence no frequency: a region opened by such motion belongs to no "
+        "resonance, even if it bears the names of those that it has swallowed."
+    )
 
 
 def _enters(curve: TransitionCurve, window: tuple[float, float], eps_max: float) -> bool:

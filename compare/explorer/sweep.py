@@ -88,7 +88,8 @@ class Sweep:
         if not self.left_out:
             return ""
         values = [value for value, _ in self.left_out]
-        return f"{self.name} from {min(values):.6g} to {max(values):.6g} is left out: {self.left_out[0][1]}"
+        few = f"= {values[0]:.6g}" if len(values) == 1 else f"from {min(values):.6g} to {max(values):.6g}"
+        return f"{self.name} {few} is left out: {self.left_out[0][1]}"
 
     def write(self, folder: Path, name: str) -> None:
         """Write ``name``.csv, one line for each value and region, and ``name``.npz, one array for each attribute."""

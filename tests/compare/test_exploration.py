@@ -61,6 +61,17 @@ def test_without_positive_stiffness_one_sentence_replaces_the_curves() -> None:
     assert (result.chart.kind[0] > 0).all()  # and nowhere without a field
 
 
+def test_motion_without_stiffness_is_told() -> None:
+    # Two masses and a spring, free to drift together: no resonance explains where they drift apart from that.
+    zero = np.zeros((2, 2))
+    free = PeriodicSystem(np.diag([1.0, 1e4]), zero, zero, [[1, -1], [-1, 1]], [np.diag([1.0, 0.0])])
+    assert "1 motion has no stiffness" in explore(free, (0.5, 3.0), 0.5, points=(8, 4), trace=False, n_jobs=1).remark
+    adrift = PeriodicSystem(np.eye(2), zero, zero, zero, [np.eye(2)])
+    assert "2 motions have no stiffness" in explore(adrift, (0.5, 3), 0.5, points=(8, 4), trace=False, n_jobs=1).remark
+    for trap in (mathieu(-0.3), gyroscopic_rotor()):
+        assert "no stiffness" not in explore(trap, (0.5, 3.0), 0.5, points=(8, 4), trace=False, n_jobs=1).remark
+
+
 def test_curves_that_never_open_are_not_drawn() -> None:
     result = explore(coupled_mathieu("sum"), (0.3, 4.0), 0.5, points=(8, 4), n_jobs=1)
     assert [curve.label for curve in result.curves] == ["ω₁+ω₂"]

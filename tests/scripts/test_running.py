@@ -171,9 +171,12 @@ def test_a_folder_that_cannot_be_written_to_is_refused_at_once(
 ) -> None:
     (tmp_path / "file").write_text("")
     common = ["--system", str(home / "pair.npz"), "--no-progress"]
-    for options in (["--output", str(tmp_path / "file")], ["--resume", str(tmp_path / "file"), "--output", "x"]):
+    file = str(tmp_path / "file")
+    for options in (["--output", file], ["--resume", file, "--output", "x"]):
         assert explore.main([*common, *options]) == 2
-        assert "cannot be written to" in capsys.readouterr().err
+        said = capsys.readouterr().err
+        assert "cannot be written to" in said
+        assert f"{options[0]} {file}: " in said
 
 
 @pytest.fixture(scope="module")
