@@ -32,6 +32,7 @@ VISIBLE = 1 / 400
 LINE_WIDTH, WIDER = 1.4, 1.0
 # Inches that the legend of a picture with a single panel needs.
 LEGEND_WIDTH = 4.8
+THEORY = "multiple scales"  # in legends
 
 STYLE: dict[Any, Any] = {
     "font.size": 9,
@@ -218,7 +219,7 @@ def _variant_handles(layers: Sequence[Layer]) -> list[Line2D | Patch]:
     named = [Patch(color=colour, label=layer.label) for layer, colour in zip(layers, VARIANT_COLOURS, strict=False)]
     lines = [
         Line2D([], [], color=GREY, lw=LINE_WIDTH + WIDER, label="Floquet boundary (traced)"),
-        Line2D([], [], color="black", lw=0.9, ls=(0, (4, 2)), label="multiple scales"),
+        Line2D([], [], color="black", lw=0.9, ls=(0, (4, 2)), label=THEORY),
     ]
     return [handle for pair in zip_longest(named, lines) for handle in pair if handle is not None]
 
@@ -371,5 +372,5 @@ def legend_handles(chart: StabilityChart | None, *, traced: bool, theory: bool =
     if traced:
         handles.append(Line2D([], [], color="black", lw=LINE_WIDTH, label="Floquet boundary (traced)"))
     if theory:
-        handles.append(Line2D([], [], color=ORANGE, lw=LINE_WIDTH, ls=(0, (4, 2)), label="multiple scales"))
+        handles.append(Line2D([], [], color=ORANGE, lw=LINE_WIDTH, ls=(0, (4, 2)), label=THEORY))
     return handles

@@ -213,7 +213,7 @@ def _swept(subject: Subject, options: argparse.Namespace) -> Callable[[Path], No
 
     def write(folder: Path) -> None:
         result.write(folder, stem)
-        figure = sweep_picture(result, title=subject.title)
+        figure = sweep_picture(result, title=f"{subject.title}; {name.replace('_', ' ')} varied")
         for suffix in ("png", "pdf"):
             figure.savefig(folder / f"{stem}.{suffix}")
 
