@@ -266,8 +266,10 @@ def _verdict(
     if not predicted.all():
         return True, "open on the same rungs by theory and by integration"
     at_floor = np.asarray((gap <= 10 * resolution).all(axis=1))
+    if at_floor.all():
+        return True, "no gap at all that tracing could resolve"
     if (at_floor | (fitted >= wanted - ORDER_TOLERANCE)).all():
-        orders = " and ".join("at rounding" if flat else f"{m:.2f}" for flat, m in zip(at_floor, fitted, strict=True))
+        orders = " and ".join("(none)" if flat else f"{m:.2f}" for flat, m in zip(at_floor, fitted, strict=True))
         return True, f"gap of order {orders} in eps (expected {wanted})"
     orders = f"{fitted[0]:.2f} and {fitted[1]:.2f}"
     vanishing = [vanishes(eps, edge, order, resolution) for edge in traced - analytic]
