@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from tqdm import tqdm
 
 from floquet import BoundaryTrace, Kind, trace_boundary
+from floquet.monodromy import member_at
 from floquet.parallel import gather
 from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import FloatArray, grid, interval, one_of, whole_number, workers
@@ -127,6 +128,7 @@ def agreement(
         If an argument is out of range, or the stiffness is not positive definite (see `perturb.gyroscopic_modes`).
     """
     window = interval("Omega_range", Omega_range, nonnegative=True)
+    member_at(family, window[1], "family")
     ladder = grid("eps", eps, positive=True)
     if ladder.size < 3:
         raise ValueError(f"eps has {ladder.size} values; give at least three, so that an order can be fitted")

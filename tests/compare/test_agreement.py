@@ -130,6 +130,12 @@ def test_bad_input_is_refused(arguments: dict, wanted: str) -> None:
         agreement(mathieu(), **({"Omega_range": (1.0, 3.0)} | arguments))
 
 
+@pytest.mark.parametrize("family", [None, 3.0, np.eye(2), PeriodicSystem])
+def test_what_is_no_system_is_refused(family: object) -> None:
+    with pytest.raises(ValueError, match=r"(?s)family = .* is no system"):
+        agreement(family, (1.0, 3.0))
+
+
 @pytest.mark.parametrize(
     ("a", "agrees"),
     [
