@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ from compare.explorer.variation import SWEEPABLE, varied
 from compare.files.cases import Plate
 from floquet import Kind, monodromy, trace_boundary
 from floquet.parallel import gather
-from periodic.checks import FloatArray, grid, one_of, real_number
+from periodic.checks import FloatArray, grid, one_of, real_number, whole_number
 from perturb import TransitionCurve, gyroscopic_modes, transition_curves
 from plate import MovingPlate
 
@@ -151,6 +152,8 @@ def sweep(
     """
     one_of("name", name, SWEEPABLE)
     eps = real_number("eps", eps, positive=True)
+    for mode in chain(*regions):
+        whole_number("regions", mode, least=1)
     pairs = [(max(pair), min(pair)) for pair in regions]
     plates: dict[float, MovingPlate] = {}
     left_out: list[tuple[float, str]] = []
