@@ -115,6 +115,13 @@ def test_what_is_written_can_be_read_again(tmp_path: Path) -> None:
         assert data.growth_rate.dims == ("eps", "Omega")
 
 
+def test_regions_that_were_not_traced_are_not_written_as_none_found(tmp_path: Path) -> None:
+    for trace, wanted in ((True, []), (False, None)):
+        result = explore(mathieu(), (1.2, 1.3), 0.1, points=(4, 3), trace=trace, n_jobs=1)
+        result.write(tmp_path, "quiet")
+        assert json.loads((tmp_path / "quiet-regions.json").read_text(encoding="utf-8")) == wanted
+
+
 def test_the_audit_is_told() -> None:
     result = explore(mathieu(), (1.0, 3.0), 0.5, points=(16, 8), n_jobs=1)
     assert "integrated again by another method" in result.audit
