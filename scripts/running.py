@@ -6,6 +6,7 @@ import argparse
 import sys
 from collections.abc import Callable
 from contextlib import suppress
+from io import TextIOWrapper
 from pathlib import Path
 
 from compare.cluster import workers_at
@@ -18,6 +19,13 @@ A run that was stopped, by Ctrl-C, kill -9 or a power cut, goes on where it was 
 --resume: finished parts of charts are kept in {UNFINISHED} in the output folder until all is written. The results are
 the same to the last bit. Traced boundaries are not kept but computed anew.
 """
+
+
+def speak_any_encoding() -> None:
+    """Let a terminal, file or pipe that has no Greek letters get question marks instead of an error."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="replace")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
