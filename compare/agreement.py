@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from tqdm import tqdm
 
 from floquet import BoundaryTrace, Kind, trace_boundary
+from floquet.monodromy import member_at
 from floquet.parallel import gather
 from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import FloatArray, grid, interval, one_of, whole_number, workers
@@ -127,6 +128,7 @@ def agreement(
         If an argument is out of range, or the stiffness is not positive definite (see `perturb.gyroscopic_modes`).
     """
     window = interval("Omega_range", Omega_range, nonnegative=True)
+    member_at(family, window[1], "family")
     ladder = grid("eps", eps, positive=True)
     if ladder.size < 3:
         raise ValueError(f"eps has {ladder.size} values; give at least three, so that an order can be fitted")
@@ -266,8 +268,10 @@ def _verdict(
     if not predicted.all():
         return True, "open on the same rungs by theory and by integration"
     at_floor = np.asarray((gap <= 10 * resolution).all(axis=1))
+    if at_floor.all():
+        return True, "no gap at all that tracing could resolve"
     if (at_floor | (fitted >= wanted - ORDER_TOLERANCE)).all():
-        orders = " and ".join("at rounding" if flat else f"{m:.2f}" for flat, m in zip(at_floor, fitted, strict=True))
+        orders = " and ".join("(none)" if flat else f"{m:.2f}" for flat, m in zip(at_floor, fitted, strict=True))
         return True, f"gap of order {orders} in eps (expected {wanted})"
     orders = f"{fitted[0]:.2f} and {fitted[1]:.2f}"
     vanishing = [vanishes(eps, edge, order, resolution) for edge in traced - analytic]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
 from typing import Any
@@ -32,6 +32,7 @@ VISIBLE = 1 / 400
 LINE_WIDTH, WIDER = 1.4, 1.0
 # Inches that the legend of a picture with a single panel needs.
 LEGEND_WIDTH = 4.8
+THEORY = "multiple scales"  # in legends
 
 STYLE: dict[Any, Any] = {
     "font.size": 9,
@@ -91,7 +92,7 @@ def overlay(
         traced = {trace.near for trace in traces if trace.is_open.any()}
         shown = [curve for curve in curves if curve.centre in traced or _is_visible(axes, curve, eps[-1])]
         draw_curves(axes, shown, eps[-1])
-        label_regions(figure, axes, shown, eps[-1])
+        label_regions(figure, axes, shown, eps[-1], first=traced)
         axes.set_xlabel("excitation frequency Ω")
         axes.set_ylabel("amplitude ε")
         axes.set_title(title, loc="left", pad=30)
@@ -218,7 +219,7 @@ def _variant_handles(layers: Sequence[Layer]) -> list[Line2D | Patch]:
     named = [Patch(color=colour, label=layer.label) for layer, colour in zip(layers, VARIANT_COLOURS, strict=False)]
     lines = [
         Line2D([], [], color=GREY, lw=LINE_WIDTH + WIDER, label="Floquet boundary (traced)"),
-        Line2D([], [], color="black", lw=0.9, ls=(0, (4, 2)), label="multiple scales"),
+        Line2D([], [], color="black", lw=0.9, ls=(0, (4, 2)), label=THEORY),
     ]
     return [handle for pair in zip_longest(named, lines) for handle in pair if handle is not None]
 
@@ -295,15 +296,21 @@ def _curve_eps(curve: TransitionCurve, eps_max: float) -> FloatArray:
     return curve.tip + (eps_max - curve.tip) * np.linspace(0, 1, 81) ** 2
 
 
-def label_regions(figure: Figure, axes: Axes, curves: Sequence[TransitionCurve], eps_max: float) -> None:
-    """Write the resonance above the upper edge, of as many regions as there is room for: the widest ones."""
+def label_regions(
+    figure: Figure, axes: Axes, curves: Sequence[TransitionCurve], eps_max: float, first: Collection[float] = ()
+) -> None:
+    """Write the resonance above the upper edge, of as many regions as there is room for.
+
+    Those that start at one of the frequencies ``first`` come first, then the widest ones.
+    """
     figure.draw_without_rendering()  # only the layout knows how wide the axes are
     low, high = axes.get_xlim()
     width_points = axes.get_window_extent().width * 72 / axes.figure.dpi
     places = {curve: _where_seen(curve, low, high, eps_max) for curve in curves}
     inside = [curve for curve in curves if np.isfinite(places[curve])]
     spacing = CHARACTER_POINTS * max((len(curve.label) for curve in inside), default=0) + LABEL_GAP_POINTS
-    inside.sort(key=lambda curve: -float(np.nan_to_num(np.subtract(*reversed(curve.edges(eps_max))))))
+    width = {curve: float(np.nan_to_num(np.subtract(*reversed(curve.edges(eps_max))))) for curve in inside}
+    inside.sort(key=lambda curve: (curve.centre not in first, -width[curve]))
     seen = sorted(inside[: int(width_points / spacing)], key=places.__getitem__)
     wanted = [(places[curve] - low) / (high - low) * width_points for curve in seen]
     for curve, place in zip(seen, _spread(wanted, spacing, width_points), strict=True):
@@ -365,5 +372,5 @@ def legend_handles(chart: StabilityChart | None, *, traced: bool, theory: bool =
     if traced:
         handles.append(Line2D([], [], color="black", lw=LINE_WIDTH, label="Floquet boundary (traced)"))
     if theory:
-        handles.append(Line2D([], [], color=ORANGE, lw=LINE_WIDTH, ls=(0, (4, 2)), label="multiple scales"))
+        handles.append(Line2D([], [], color=ORANGE, lw=LINE_WIDTH, ls=(0, (4, 2)), label=THEORY))
     return handles

@@ -22,7 +22,7 @@ from periodic import SystemFamily
 from periodic.checks import FloatArray
 from perturb import TransitionCurve, transition_curves
 
-# A traced boundary is smooth: this many points along eps draw it without corners.
+# A traced boundary is smooth but where it meets another: this many points along eps draw it without corners.
 TRACE_POINTS = 12
 # Regions that start beyond the window by this part may reach into it.
 MARGIN = 0.1
@@ -119,8 +119,9 @@ class VariantStudy:
 
     @property
     def passed_audit(self) -> bool:
-        """Whether the cells of the chart that another integrator computed again bore it out."""
-        return self.chart.audit is not None and self.chart.audit.ok
+        """Whether another integrator computed some cells of the chart again, and they bore it out."""
+        audit = self.chart.audit
+        return audit is not None and audit.compared > 0 and audit.ok
 
     @property
     def audit(self) -> str:

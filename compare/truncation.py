@@ -43,7 +43,6 @@ def lowest_modes(system: PeriodicSystem, Omega_range: tuple[float, float], eps: 
     mass, gyroscopic, damping = (V.T @ F @ V for F in (system.mass, system.gyroscopic, system.damping))
     stiffness, cosine, sine = np.diag(squares[:kept]), V.T @ system.cosine @ V, V.T @ system.sine @ V
     small = PeriodicSystem(mass, gyroscopic, damping, stiffness, cosine, sine)
-    change = _change(system, small, Omega_range, eps)
     said = f"Integrated are the {kept} lowest of {system.size} modes"
     try:
         change = _change(system, small, Omega_range, eps)

@@ -109,7 +109,7 @@ def grid(name: str, value: ArrayLike, *, positive: bool = False) -> FloatArray:
     if (np.diff(array) <= 0).any():
         raise ValueError(f"{name} is not strictly increasing; sort it and remove repeated values")
     if positive and array[0] <= 0:
-        raise ValueError(f"{name} starts at {array[0]!r}; every value must be positive")
+        raise ValueError(f"{name} starts at {float(array[0])!r}; every value must be positive")
     array.setflags(write=False)
     return array
 

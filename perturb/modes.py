@@ -162,7 +162,7 @@ def _checked_stiffness(K: FloatArray) -> FloatArray:
     if not is_positive_definite(K):
         raise ValueError(
             f"stiffness has the lowest eigenvalue {np.linalg.eigvalsh(K)[0]:.6g}; the perturbation theory needs a "
-            "positive definite stiffness, that is a speed and load below divergence (floquet/ takes any stiffness)"
+            "positive definite stiffness: no rigid motion, and speed and load below divergence (floquet/ takes any)"
         )
     return K
 

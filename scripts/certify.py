@@ -14,6 +14,7 @@ from typing import Any
 
 from compare.files.cases import load_case
 from compare.files.matrices import load_system
+from floquet_scripts import running
 from periodic import PeriodicSystem, SystemFamily, examples
 from periodic.checks import real_number
 from plate import MovingPlate
@@ -54,6 +55,7 @@ The exit status is 0 if every point was decided, 1 if one was not, 2 if the inpu
 
 
 def main(arguments: list[str] | None = None) -> int:
+    running.speak_any_encoding()
     options = _parser().parse_args(arguments)
     try:
         from floquet.certified import Verdict, certified_growth

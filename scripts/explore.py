@@ -26,6 +26,7 @@ from compare.own_system import own_system
 from floquet.checkpoint import BlockStore
 from floquet_scripts import running
 from periodic import PeriodicSystem, SystemFamily
+from periodic.checks import one_of
 
 EPILOG = f"""\
 examples:
@@ -43,6 +44,7 @@ lowest modes. The exit status is 0 if everything was written and 2 if the input 
 {running.EPILOG}"""
 STANDARD_NAME, STANDARD_TITLE = "plate", "Standard plate: a/b = 1, ν = 0.3, V = 3, f₀ = 10"
 STANDARD_REGIONS = [(1, 1), (2, 2), (3, 3), (1, 2), (1, 3), (2, 3)]
+CHART_OPTIONS = ("points", "html", "netcdf", "no_regions")
 SWEEP_EPS, MOST_VALUES = 0.1, 1000
 
 
@@ -64,8 +66,10 @@ class Subject:
 
 
 def main(arguments: list[str] | None = None) -> int:
+    running.speak_any_encoding()
     options = _parser().parse_args(arguments)
     try:
+        _check(options)
         subject = _subject(options)
         if options.serve:
             return _serve(subject, options)
@@ -110,6 +114,15 @@ def _parser() -> argparse.ArgumentParser:
     result.add_argument("--output", type=Path, default=Path("output"), metavar="DIR", help="where to write (output)")
     running.add_options(parser)
     return parser
+
+
+def _check(options: argparse.Namespace) -> None:
+    """Refuse options that would be left without effect."""
+    without_effect = {"serve": ("sweep", *CHART_OPTIONS), "sweep": ("Omega", *CHART_OPTIONS)}
+    for instead, others in without_effect.items():
+        for other in others:
+            if getattr(options, instead) and getattr(options, other):
+                raise ValueError(f"--{other.replace('_', '-')} has no meaning with --{instead}; leave it out")
 
 
 def _subject(options: argparse.Namespace) -> Subject:
@@ -184,6 +197,7 @@ def _swept(subject: Subject, options: argparse.Namespace) -> Callable[[Path], No
     if not isinstance(subject.source, Plate) or subject.regions is None:
         raise ValueError("--sweep changes a parameter of the plate; leave out --system")
     name, values = _sweep_values(options.sweep)
+    one_of("--sweep", name, SWEEPABLE)
     result = sweep(
         subject.source,
         name,
@@ -200,7 +214,7 @@ def _swept(subject: Subject, options: argparse.Namespace) -> Callable[[Path], No
 
     def write(folder: Path) -> None:
         result.write(folder, stem)
-        figure = sweep_picture(result, title=subject.title)
+        figure = sweep_picture(result, title=f"{subject.title}; {name.replace('_', ' ')} varied")
         for suffix in ("png", "pdf"):
             figure.savefig(folder / f"{stem}.{suffix}")
 

@@ -6,6 +6,7 @@ import argparse
 import sys
 from collections.abc import Callable
 from contextlib import suppress
+from io import TextIOWrapper
 from pathlib import Path
 
 from compare.cluster import workers_at
@@ -18,6 +19,13 @@ A run that was stopped, by Ctrl-C, kill -9 or a power cut, goes on where it was 
 --resume: finished parts of charts are kept in {UNFINISHED} in the output folder until all is written. The results are
 the same to the last bit. Traced boundaries are not kept but computed anew.
 """
+
+
+def speak_any_encoding() -> None:
+    """Let a terminal, file or pipe that has no Greek letters get question marks instead of an error."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="replace")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -45,7 +53,10 @@ def run(name: str, options: argparse.Namespace, work: Callable[[BlockStore], int
         if own and any(folder.glob("*.block")):
             what = f"{folder} holds finished parts of charts of a run that was stopped"
             print(what if options.resume else f"{what}; --resume goes on with them")
-        store = BlockStore(folder, fresh=options.resume is None)
+        try:
+            store = BlockStore(folder, fresh=options.resume is None)
+        except ValueError as error:
+            raise ValueError(f"{f'--output {options.output}' if own else f'--resume {folder}'}: {error}") from None
         with workers_at(options.dask) as remark:
             if remark:
                 print(remark)

@@ -31,13 +31,15 @@ its keys. Of a system the regions between its lowest modes are judged, if you gi
 main regions. Theory is for small ε: it is held to small ones, where its gap to the integrated boundaries has to shrink
 like ε²; the report says how far it holds beyond.
 
-The exit status is 0 if theory and integration agree everywhere, 1 if they do not, 2 if the input is wrong.
+The exit status is 0 if theory and integration agree everywhere, 1 if they do not or a chart did not pass its audit by
+a second integrator, 2 if the input is wrong.
 A claim of the paper that is contradicted, with counter-examples that integration confirms, is no disagreement.
 
 {running.EPILOG}"""
 
 
 def main(arguments: list[str] | None = None) -> int:
+    running.speak_any_encoding()
     options = _parser().parse_args(arguments)
     try:
         subjects = _subjects(options)

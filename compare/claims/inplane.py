@@ -69,8 +69,7 @@ def inertia_hardly_matters(study: ClaimRange) -> ClaimVerdict:
         "In-plane inertia hardly matters",
         "The sizes of unstable regions with and without in-plane inertia are almost the same for a thin plate "
         "(section IV on Fig. 3; conclusion 2).",
-        f"uniform load; a/b = {some(study.aspect_ratios)}; h/b = {some(study.thickness_ratios)}; V = "
-        f"{study.plate.speed:g}; f0 = {study.plate.tension:g}; the same within {ALMOST_THE_SAME:.0%}",
+        f"{_scope(study)}; the same within {ALMOST_THE_SAME:.0%}",
         findings,
     )
 
@@ -94,9 +93,16 @@ def inertia_shifts_regions(study: ClaimRange) -> ClaimVerdict:
         "In-plane inertia shifts the regions",
         "The positions of unstable regions with and without in-plane inertia differ a little due to the effect of that "
         "inertia (section IV on Fig. 3).",
-        f"uniform load; a/b = {some(study.aspect_ratios)}; h/b = {some(study.thickness_ratios)}; V = "
-        f"{study.plate.speed:g}; f0 = {study.plate.tension:g}",
+        _scope(study),
         findings,
+    )
+
+
+def _scope(study: ClaimRange) -> str:
+    """Return the range of `_models` in words."""
+    return (
+        f"uniform load; a/b = {some(study.aspect_ratios)}; h/b = {some(study.thickness_ratios)}; V = "
+        f"{study.plate.speed:g}; f0 = {study.plate.tension:g}"
     )
 
 

@@ -25,8 +25,7 @@ def narrower_load_shrinks(study: ClaimRange) -> ClaimVerdict:
         "A narrower load shrinks the regions",
         "As a symmetric edge load becomes narrower at the same total, unstable regions generally become smaller and "
         "shift towards lower frequency (section IV on Fig. 4; conclusion 3).",
-        f"a/b = {some(study.aspect_ratios)}; V = {some(study.speeds)}; f0 = {study.plate.tension:g}; loaded part "
-        f"{some(study.widths)}; modes 1 to {study.modes}",
+        _scope(study),
         findings,
     )
 
@@ -43,8 +42,7 @@ def longer_plate_shrinks(study: ClaimRange) -> ClaimVerdict:
         "A longer plate shrinks the regions",
         "As the aspect ratio increases, all unstable regions reduce in size, shift towards lower frequency and get "
         "closer (section IV on Fig. 5; conclusion 4).",
-        f"a/b = {some(study.aspect_ratios)}; V = {some(study.speeds)}; f0 = {study.plate.tension:g}; loaded part "
-        f"{some(study.widths)}; modes 1 to {study.modes}, numbered by frequency",
+        f"{_scope(study)}, numbered by frequency",
         findings,
     )
 
@@ -70,6 +68,14 @@ def damping_shrinks(study: ClaimRange) -> ClaimVerdict:
         "favours stability (section IV on Fig. 6; conclusion 5).",
         f"{study.scope}; uniform load; c = {some(study.dampings)}; eps = {study.eps:g}",
         findings,
+    )
+
+
+def _scope(study: ClaimRange) -> str:
+    """Return the range of `_plate` in words."""
+    return (
+        f"a/b = {some(study.aspect_ratios)}; V = {some(study.speeds)}; f0 = {study.plate.tension:g}; loaded part "
+        f"{some(study.widths)}; modes 1 to {study.modes}"
     )
 
 

@@ -49,11 +49,13 @@ class Exploration:
     curves : list of TransitionCurve
         Analytic regions that are open somewhere in the window, by ascending centre.
     regions : list of Region
-        Every region of instability in the window, traced and named; empty if that was not wanted.
+        Every region of instability in the window, traced and named; empty if that was not wanted, as ``traced`` says.
     order : int
         Order of the theory, 1 or 2.
     remark : str
         Why there are no analytic curves; empty if there are.
+    traced : bool
+        Whether regions were looked for.
     """
 
     title: str
@@ -62,6 +64,7 @@ class Exploration:
     regions: list[Region]
     order: int
     remark: str
+    traced: bool = True
 
     @property
     def audit(self) -> str:
@@ -81,7 +84,8 @@ class Exploration:
         draw_outlines(figure, self.chart, self.regions)
         for suffix in ("png", "pdf"):
             figure.savefig(folder / f"{name}-overlay.{suffix}")
-        regions = json.dumps([_plain(region) for region in self.regions], ensure_ascii=False)
+        found = [_plain(region) for region in self.regions] if self.traced else None
+        regions = json.dumps(found, ensure_ascii=False)
         (folder / f"{name}-regions.json").write_text(regions, encoding="utf-8")
         self.chart.save(folder / f"{name}.npz")
         if netcdf:
@@ -161,7 +165,7 @@ def explore(
     chart = stability_chart(family, Omega, eps, n_jobs=n_jobs, progress=progress, cache=cache)
     bounds = window, (0.0, eps_max)
     regions = trace_regions(family, *bounds, n_jobs=n_jobs, progress=progress) if trace else []
-    return Exploration(title, chart, curves, regions, order, remark)
+    return Exploration(title, chart, curves, regions, order, remark, trace)
 
 
 def analytic_curves(
@@ -173,8 +177,22 @@ def analytic_curves(
     try:
         curves = transition_curves(family, (max(low - beside, 0.0), high + beside), order=order)
     except ValueError as error:  # the window has been checked: it is the system that the theory refuses
-        return [], f"The analytic curves are left out: {error}."
+        return [], f"The analytic curves are left out: {error}." + _without_stiffness(family.at(low))
     return [curve for curve in curves if _enters(curve, window, eps_max)], ""
+
+
+def _without_stiffness(system: PeriodicSystem) -> str:
+    """Return what there is to say of motions that no stiffness holds; nothing if there are none."""
+    scale = np.linalg.inv(np.linalg.cholesky(system.mass))
+    held = np.linalg.svd(scale @ system.stiffness @ scale.T, compute_uv=False)
+    free = int((held <= RIGID**2 * held[0]).sum())
+    if free == 0:
+        return ""
+    motions = "1 motion has" if free == 1 else f"{free} motions have"
+    return (
+        f" {motions} no stiffness (K is singular), hence no frequency: a region opened by such motion belongs to no "
+        "resonance, even if it bears the names of those that it has swallowed."
+    )
 
 
 def _enters(curve: TransitionCurve, window: tuple[float, float], eps_max: float) -> bool:

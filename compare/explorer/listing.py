@@ -7,6 +7,7 @@ from math import ceil, log10
 
 from compare.explorer.outlines import LEVELS
 from floquet import Region
+from floquet.names import Name
 from floquet.outline import largest_width
 
 # At large eps there are a hundred regions, most of them narrower than a line of the picture: these many fit a screen.
@@ -42,8 +43,12 @@ def region_lines(regions: Sequence[Region], eps_max: float, file: str) -> list[s
     return lines
 
 
+def _by_order(region: Region) -> list[Name]:
+    return sorted(region.resonances, key=lambda name: name.j)
+
+
 def _name(region: Region) -> str:
-    names = [name.label for name in sorted(region.resonances, key=lambda name: name.j)]
+    names = [name.label for name in _by_order(region)]
     more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
     return ", ".join(names[:MOST_NAMES]) + more or "unexplained"
 
@@ -51,4 +56,6 @@ def _name(region: Region) -> str:
 def _place(region: Region, width: float, eps_max: float) -> str:
     Omega, eps = region.tip
     eps = round(eps, ceil(-log10(RESOLVED * eps_max)))
+    if eps == 0 and len(region.resonances) > 1:  # it stands on as many feet as it has names
+        Omega = _by_order(region)[0].centre
     return f"from Ω = {Omega:.5g}, ε = {eps:.3g}, up to {width:.2g} wide"

@@ -153,7 +153,7 @@ class LivePage:
         start = time.perf_counter()
         curves, remark = analytic_curves(state.family, state.Omega, state.eps[1], self._order)
         for chart in self._finer_and_finer(state):
-            exploration = Exploration("", chart, curves, [], self._order, remark)
+            exploration = Exploration("", chart, curves, [], self._order, remark, traced=False)
             self._later(state, self._show, exploration, time.perf_counter() - start)
 
     def _finer_and_finer(self, state: State) -> Iterator[StabilityChart]:

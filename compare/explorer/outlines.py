@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from compare.overlay import legend_handles
+from compare.overlay import STYLE, THEORY, legend_handles
 from floquet import Region, StabilityChart
 from floquet.outline import Loop, largest_width
 from periodic.checks import FloatArray
@@ -36,7 +37,8 @@ def draw_outlines(figure: Figure, chart: StabilityChart, regions: Sequence[Regio
     if not regions:
         return
     axes = figure.axes[0]
-    handles = legend_handles(chart, traced=True)
+    theory = any(text.get_text() == THEORY for text in figure.legends[0].get_texts())
+    handles = legend_handles(chart, traced=True, theory=theory)
     loops = [(loop, is_narrow(loop, chart.Omega)) for region in regions for loop in region.outlines]
     for loop, narrow in loops:
         colour, width, order = (FAINT, FAINT_WIDTH, 2) if narrow else ("black", LINE_WIDTH, 3)
@@ -44,4 +46,5 @@ def draw_outlines(figure: Figure, chart: StabilityChart, regions: Sequence[Regio
     if any(narrow for _, narrow in loops):
         handles.append(Line2D([], [], color=FAINT, lw=2 * FAINT_WIDTH, label="traced, narrower than a line"))
     figure.legends[0].remove()
-    figure.legend(handles=handles, loc="outside lower center", ncols=5, frameon=False)
+    with mpl.rc_context(STYLE):
+        figure.legend(handles=handles, loc="outside lower center", ncols=3 if len(handles) > 4 else 4)

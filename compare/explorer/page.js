@@ -96,7 +96,7 @@ function draw(k) {
     ticks.push(scaled(decade * DECADE, 1), scaled(decade * DECADE, -1))
   }
   ticker.ticks = ticks.sort((a, b) => a - b)
-  wave.title.text = `coordinate ${coordinate[k]} of the dominant solution over ten periods`
+  wave.title.text = `dominant solution, coordinate ${coordinate[k]}`
 
   marker.data = { x: [Omega[k]], y: [eps[k]] }
   const growth = `growth rate ${rate[k].toPrecision(5)}, ×${Math.exp(log_mu).toPrecision(4)} a period`

@@ -230,7 +230,7 @@ class Page:
     def _details(self) -> dict[str, Any]:
         """Build the two small plots and return what the browser needs to draw a point into them."""
         self._circle = figure(
-            width=420, height=290, title="multipliers (outside |μ| = 1 the radius is logarithmic)", tools="",
+            width=420, height=290, title="multipliers (outside, log radius)", tools="",
             x_range=Range1d(-1.7, 1.7), y_range=Range1d(-1.3, 1.3), toolbar_location=None,
         )  # fmt: skip
         self._circle.axis.visible = False

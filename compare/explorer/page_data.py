@@ -17,7 +17,7 @@ UNEXPLAINED = "no resonance explains it"
 CURVE_POINTS = 121
 # A label takes this part of the window's width; regions narrower than the other part get none, nor those that find no
 # place on these lines (the curve under the pointer tells its name).
-LABEL_WIDTH, LEAST_WIDTH, LABEL_LINES = 0.055, 1 / 400, 4
+LABEL_WIDTH, LEAST_WIDTH, LABEL_LINES = 0.065, 1 / 400, 4
 
 
 def cell_data(chart: StabilityChart | None) -> dict[str, Any]:
@@ -80,9 +80,10 @@ def label_data(curves: Sequence[TransitionCurve], chart: StabilityChart) -> dict
     placed: list[tuple[int, float, float, str]] = []
     for _, curve in sorted(seen, key=lambda pair: -pair[0]):
         half = 0.5 * room * max(1.0, len(curve.label) / 5)
+        place = min(max(curve.centre, low + half), high - half)
         for line in range(LABEL_LINES):
-            if all(abs(curve.centre - x) > half + other for at, x, other, _ in placed if at == line):
-                placed.append((line, curve.centre, half, curve.label))
+            if all(abs(place - x) > half + other for at, x, other, _ in placed if at == line):
+                placed.append((line, place, half, curve.label))
                 break
     return {
         "x": [x for _, x, _, _ in placed],

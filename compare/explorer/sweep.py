@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ from compare.explorer.variation import SWEEPABLE, varied
 from compare.files.cases import Plate
 from floquet import Kind, monodromy, trace_boundary
 from floquet.parallel import gather
-from periodic.checks import FloatArray, grid, one_of, real_number
+from periodic.checks import FloatArray, grid, one_of, real_number, whole_number
 from perturb import TransitionCurve, gyroscopic_modes, transition_curves
 from plate import MovingPlate
 
@@ -88,7 +89,8 @@ class Sweep:
         if not self.left_out:
             return ""
         values = [value for value, _ in self.left_out]
-        return f"{self.name} from {min(values):.6g} to {max(values):.6g} is left out: {self.left_out[0][1]}"
+        few = f"= {values[0]:.6g}" if len(values) == 1 else f"from {min(values):.6g} to {max(values):.6g}"
+        return f"{self.name} {few} is left out: {self.left_out[0][1]}"
 
     def write(self, folder: Path, name: str) -> None:
         """Write ``name``.csv, one line for each value and region, and ``name``.npz, one array for each attribute."""
@@ -150,6 +152,8 @@ def sweep(
     """
     one_of("name", name, SWEEPABLE)
     eps = real_number("eps", eps, positive=True)
+    for mode in chain(*regions):
+        whole_number("regions", mode, least=1)
     pairs = [(max(pair), min(pair)) for pair in regions]
     plates: dict[float, MovingPlate] = {}
     left_out: list[tuple[float, str]] = []

@@ -64,6 +64,12 @@ def test_second_order_theory_leaves_a_gap_of_third_order() -> None:
     np.testing.assert_allclose(verdicts[0].order, 3, atol=0.15)
 
 
+def test_a_gap_that_tracing_cannot_resolve_has_no_order() -> None:
+    weak = PeriodicSystem([[1.0]], [[0.0]], [[0.0]], [[1.0]], [[[1e-4]]])  # the gap is 1e-12 and less
+    (verdict,) = agreement(weak, (1.5, 2.5), n_jobs=1)
+    assert (verdict.agrees, verdict.reason) == (True, "no gap at all that tracing could resolve")
+
+
 def test_a_theory_that_is_wrong_is_found_out() -> None:
     verdicts = agreement(_Stiffening(mathieu(delta=1.0)), (1.5, 2.5))
     assert not all(verdict.agrees for verdict in verdicts)
@@ -122,6 +128,12 @@ def test_fitted_order_is_that_of_the_leading_term(order: int) -> None:
 def test_bad_input_is_refused(arguments: dict, wanted: str) -> None:
     with pytest.raises(ValueError, match=wanted):
         agreement(mathieu(), **({"Omega_range": (1.0, 3.0)} | arguments))
+
+
+@pytest.mark.parametrize("family", [None, 3.0, np.eye(2), PeriodicSystem])
+def test_what_is_no_system_is_refused(family: object) -> None:
+    with pytest.raises(ValueError, match=r"(?s)family = .* is no system"):
+        agreement(family, (1.0, 3.0))
 
 
 @pytest.mark.parametrize(

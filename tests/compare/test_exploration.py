@@ -61,6 +61,17 @@ def test_without_positive_stiffness_one_sentence_replaces_the_curves() -> None:
     assert (result.chart.kind[0] > 0).all()  # and nowhere without a field
 
 
+def test_motion_without_stiffness_is_told() -> None:
+    # Two masses and a spring, free to drift together: no resonance explains where they drift apart from that.
+    zero = np.zeros((2, 2))
+    free = PeriodicSystem(np.diag([1.0, 1e4]), zero, zero, [[1, -1], [-1, 1]], [np.diag([1.0, 0.0])])
+    assert "1 motion has no stiffness" in explore(free, (0.5, 3.0), 0.5, points=(8, 4), trace=False, n_jobs=1).remark
+    adrift = PeriodicSystem(np.eye(2), zero, zero, zero, [np.eye(2)])
+    assert "2 motions have no stiffness" in explore(adrift, (0.5, 3), 0.5, points=(8, 4), trace=False, n_jobs=1).remark
+    for trap in (mathieu(-0.3), gyroscopic_rotor()):
+        assert "no stiffness" not in explore(trap, (0.5, 3.0), 0.5, points=(8, 4), trace=False, n_jobs=1).remark
+
+
 def test_curves_that_never_open_are_not_drawn() -> None:
     result = explore(coupled_mathieu("sum"), (0.3, 4.0), 0.5, points=(8, 4), n_jobs=1)
     assert [curve.label for curve in result.curves] == ["ω₁+ω₂"]
@@ -102,6 +113,13 @@ def test_what_is_written_can_be_read_again(tmp_path: Path) -> None:
         np.testing.assert_array_equal(data.growth_rate, result.chart.growth_rate)
         np.testing.assert_array_equal(data.multiplier_real + 1j * data.multiplier_imag, result.chart.multiplier)
         assert data.growth_rate.dims == ("eps", "Omega")
+
+
+def test_regions_that_were_not_traced_are_not_written_as_none_found(tmp_path: Path) -> None:
+    for trace, wanted in ((True, []), (False, None)):
+        result = explore(mathieu(), (1.2, 1.3), 0.1, points=(4, 3), trace=trace, n_jobs=1)
+        result.write(tmp_path, "quiet")
+        assert json.loads((tmp_path / "quiet-regions.json").read_text(encoding="utf-8")) == wanted
 
 
 def test_the_audit_is_told() -> None:

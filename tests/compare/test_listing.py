@@ -28,6 +28,14 @@ def test_of_many_resonances_those_of_low_order_are_named() -> None:
     assert line.startswith("ω₁+ω₃, ω₁+ω₅, (ω₁+ω₂)/2 and 2 more  ")
 
 
+def test_of_many_feet_the_one_of_the_first_name_is_told() -> None:
+    names = Name(3, 2, 2, 1, 2.6), Name(1, 1, 1, 1, 2.0)
+    (line,) = region_lines([region(*names, Omega=2.6)], 1.0, "file")
+    assert line.startswith("2ω₁, (ω₂+ω₃)/2  from Ω = 2, ε = 0, ")
+    (line,) = region_lines([region(*names, Omega=2.6, eps=0.1)], 1.0, "file")  # damped: the lowest one
+    assert line.startswith("2ω₁, (ω₂+ω₃)/2  from Ω = 2.6, ε = 0.1, ")
+
+
 def test_the_narrowest_are_counted() -> None:
     widths = np.random.default_rng(3).permutation(np.linspace(0.01, 0.3, MOST_LINES + 10))
     regions = [region(Name(1, 1, 1, 1, 2.0), Omega=1.0 + i, width=width) for i, width in enumerate(widths)]

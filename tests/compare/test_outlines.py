@@ -7,9 +7,10 @@ import pytest
 
 from compare import overlay
 from compare.explorer.outlines import FAINT, draw_outlines, is_narrow
-from floquet import stability_chart, trace_regions
+from floquet import Kind, stability_chart, trace_regions
 from floquet.outline import Loop, largest_width
 from periodic.examples import mathieu
+from perturb import transition_curves
 
 
 def tongue(width: float) -> Loop:
@@ -41,4 +42,17 @@ def test_narrow_regions_are_faint_and_the_legend_says_so() -> None:
     assert colours.count("black") >= 2  # tongues of order 1 and 2
     assert FAINT in colours
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert "traced, narrower than a line" in labels
+    assert labels == ["unstable by integration", "Floquet boundary (traced)", "traced, narrower than a line"]
+
+
+def test_the_longest_legend_fits_the_picture() -> None:
+    chart = stability_chart(mathieu(), np.linspace(0.3, 2.5, 24), np.linspace(0, 0.4, 12), audit=0, progress=False)
+    chart.kind.setflags(write=True)
+    chart.kind[0, 0] = Kind.UNDECIDED
+    figure = overlay(chart, transition_curves(mathieu(), (0.3, 2.5)))
+    draw_outlines(figure, chart, trace_regions(mathieu(), (0.3, 2.5), (0.0, 0.4), progress=False))
+    figure.draw_without_rendering()
+    assert len(figure.legends[0].get_texts()) == 5
+    legend, whole = figure.legends[0].get_window_extent(), figure.bbox
+    assert whole.x0 <= legend.x0
+    assert legend.x1 <= whole.x1

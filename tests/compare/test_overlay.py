@@ -72,6 +72,22 @@ def test_the_widest_regions_are_named_first(layer: Layer) -> None:
     assert "ω₁+ω₂" in {text.get_text() for text in figure.axes[0].texts}
 
 
+def test_traced_regions_are_named_before_wider_ones() -> None:
+    # Twenty-four main regions, the narrowest of which was looked at closely.
+    n = 24
+    zero = np.zeros((n, n))
+    system = PeriodicSystem(
+        np.eye(n), zero, zero, np.diag(np.linspace(1, 2, n) ** 2), [np.diag(np.linspace(1, 0.1, n))]
+    )
+    chart = stability_chart(system, np.linspace(1.5, 4.5, 4), [0.0, 0.3], audit=0, progress=False)
+    curves = [curve for curve in transition_curves(system, (1.5, 4.5), 1, ("sum",)) if curve.p == curve.q]
+    traced = trace_boundary(system, curves[-1].centre, np.array([0.1, 0.3]))
+    labels = [{text.get_text() for text in overlay(chart, curves, traces).axes[0].texts} for traces in ([], [traced])]
+    assert curves[-1].label not in labels[0]
+    assert curves[-1].label in labels[1]
+    assert len(labels[0]) == len(labels[1]) < n
+
+
 def test_a_region_that_leans_into_the_window_is_named(layer: Layer) -> None:
     Omega = layer.chart.Omega
     curves = [curve for curve, _ in layer.panels if curve.p != curve.q]

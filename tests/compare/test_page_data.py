@@ -59,7 +59,10 @@ def test_labels_never_overlap_and_the_widest_regions_come_first() -> None:
     assert 2 <= len(lines) <= LABEL_LINES
     for line in lines:
         places = sorted(x for x, y in zip(data["x"], data["y"], strict=True) if y == line)
-        assert np.diff(places).min() > 0.05 * 75.0
+        assert np.diff(places).min(initial=np.inf) > 0.05 * 75.0
+    low, high = chart.Omega[0], chart.Omega[-1]
+    assert min(data["x"]) >= low + 0.02 * (high - low)  # half a label
+    assert max(data["x"]) <= high - 0.02 * (high - low)
     widths = {curve.label: float(np.nan_to_num(np.subtract(*curve.edges(0.5)[::-1]))) for curve in curves}
     assert max(widths, key=widths.__getitem__) in data["text"]
     assert all(0.0 < y < 0.5 for y in lines)

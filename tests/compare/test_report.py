@@ -163,7 +163,10 @@ def test_a_chart_that_failed_its_audit_is_a_disagreement(study: CaseStudy, tmp_p
     write_report([worse], [], tmp_path)
     for name in ("report.html", "report.md"):
         head, details = (tmp_path / name).read_text(encoding="utf-8").split("Plates", 1)
-        assert "Charts not to be trusted: 1." in head
+        assert "Charts that did not pass their audit: 1." in head
         assert "DO NOT TRUST THIS CHART" in details
+    unchecked = replace(variant.chart.audit, differences=np.full_like(variant.chart.audit.differences, np.nan))
+    assert not replace(variant, chart=replace(variant.chart, audit=unchecked)).passed_audit
+    assert not replace(variant, chart=replace(variant.chart, audit=None)).passed_audit
     write_report([study], [], tmp_path)
-    assert "not to be trusted" not in (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "did not pass" not in (tmp_path / "report.html").read_text(encoding="utf-8")

@@ -89,6 +89,7 @@ def test_data_and_picture_are_written(tmp_path: Path) -> None:
         ({"values": []}, "values is empty"),
         ({"eps": 0.0}, "eps = 0.0"),
         ({"regions": [(1, 5)]}, "mode 5; the plate has 4 modes"),
+        ({"regions": [(1, 0)]}, "regions = 0 is out of range"),
     ],
 )
 def test_a_wrong_argument_is_named(arguments: dict[str, object], wanted: str) -> None:

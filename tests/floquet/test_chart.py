@@ -1,4 +1,4 @@
-"""`stability_chart` and `StabilityChart`: the public interface, files, workers, extreme systems, bad input."""
+"""`stability_chart` and `StabilityChart`: the public interface, workers, audit, files, bad input."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import sys
 import joblib
 import numpy as np
 import pytest
+from chart_oracles import agrees, chart
 from oracle_systems import random_system
 
 import floquet.chart
@@ -19,25 +20,9 @@ from periodic.examples import coupled_mathieu, mathieu
 ARRAYS = ("Omega", "eps", "growth_rate", "multiplier", "kind", "error")
 
 
-def chart(system, Omega, eps, **options):
-    return stability_chart(system, Omega, eps, **{"n_jobs": 1, "progress": False, "audit": 0} | options)
-
-
 def same(one, other):
     """Whether two charts agree to the last bit."""
     return all(np.array_equal(getattr(one, name), getattr(other, name)) for name in ARRAYS)
-
-
-def agrees(system, found):
-    """Compare every cell of a chart with `monodromy`: growth within the errors, no contradiction."""
-    for j, Omega in enumerate(found.Omega):
-        for i, eps in enumerate(found.eps):
-            exact = monodromy(system, float(Omega), float(eps))
-            difference = abs(found.growth_rate[i, j] - exact.growth_rate) * 2 * np.pi / Omega
-            assert difference <= 3 * (found.error[i, j] + exact.log_modulus_error) + 1e-13
-            if found.kind[i, j] >= 0 and exact.kind >= 0:
-                assert (found.kind[i, j] > 0) == (exact.kind > 0)
-    return True
 
 
 # ---- what a chart is ----
@@ -289,78 +274,6 @@ def test_to_xarray(example):
     dataset = example.to_xarray()
     assert dataset.growth_rate.dims == ("eps", "Omega")
     assert (dataset.kind.values == example.kind).all()
-
-
-# ---- systems at the edges ----
-
-
-def test_negative_stiffness():
-    # a saddle that the excitation holds (Paul trap): no energy coordinates in the strict sense
-    system = mathieu(-0.05)
-    found = chart(system, [1.5, 2.0], [0.0, 0.4, 1.0])
-    assert found.kind[:, 1].tolist() == [Kind.PLUS_ONE, Kind.PLUS_ONE, Kind.STABLE]
-    assert agrees(system, found)
-
-
-def test_no_stiffness():
-    system = mathieu(0.0)
-    assert agrees(system, chart(system, [0.8, 3.0], [0.0, 0.5, 3.0]))
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_unsymmetric_stiffness(seed):
-    system = random_system(seed, 3, 2, symmetric=False, damping=0.1 * seed)
-    assert agrees(system, chart(system, [0.7, 2.0], np.linspace(0, 1, 9)))
-
-
-def test_strong_damping():
-    system = PeriodicSystem(
-        np.eye(2), np.zeros((2, 2)), [[1e3, 10], [10, 2.0]], np.diag([1e3, 2.0]), [[[0, 1], [1, 0]]]
-    )
-    assert agrees(system, chart(system, [0.5, 3.0], [0.0, 1.0]))
-
-
-def test_sixteen_harmonics():
-    system = random_system(31, 2, 16, damping=0.05)
-    assert agrees(system, chart(system, [0.8, 2.5], np.linspace(0, 0.5, 10)))
-
-
-def test_a_hundred_coordinates():
-    system = random_system(32, 100, 1, damping=0.05)
-    found = chart(system, [4.0], [0.0, 0.1])
-    assert agrees(system, found)
-
-
-def test_large_amplitudes():
-    system = random_system(33, 3, 2)
-    found = chart(system, [0.7, 2.0], np.linspace(0, 10, 9))
-    assert (found.growth_rate * 2 * np.pi / found.Omega).max() > 20
-    assert agrees(system, found)
-
-
-def test_growth_beyond_the_largest_float():
-    found = chart(mathieu(-1.0), [1e-2], [0.0])
-    # exactly: the multiplier exp(2 pi / Omega) of a saddle, 10^272, and 10^2728 ten times slower
-    assert found.growth_rate[0, 0] == pytest.approx(1.0, rel=1e-12)
-    assert np.isfinite(found.multiplier[0, 0])
-    slower = chart(mathieu(-1.0), [1e-3], [0.0])
-    assert slower.growth_rate[0, 0] == pytest.approx(1.0, rel=1e-12)
-    assert slower.multiplier[0, 0] == np.inf
-    assert slower.kind[0, 0] == Kind.PLUS_ONE
-
-
-def test_decay_below_the_smallest_float():
-    found = chart(mathieu(1.0, 4.0), [1e-3], [0.0])
-    # overdamped: the slower root of s^2 + 4 s + 1
-    assert found.growth_rate[0, 0] == pytest.approx(-2 + np.sqrt(3), rel=1e-9)
-    assert found.kind[0, 0] == Kind.STABLE
-
-
-def test_low_frequency():
-    # slow modulation of a stable oscillator: nothing happens, and 2^17 steps must not say otherwise
-    found = chart(mathieu(1.0), [1e-3, 1.1e-3], [0.3])
-    assert (found.growth_rate == 0).all()
-    assert (found.kind != Kind.PLUS_ONE).all()
 
 
 # ---- bad input ----

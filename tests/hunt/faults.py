@@ -524,7 +524,7 @@ FAULTS = (
         "floquet/enclosure.py",
         "[bound * arb(0, 1)] * size**2",
         "[arb(0)] * size**2",
-        "floquet/test_certified.py",
+        "floquet/test_certified_monodromy.py",
     ),
     # compare
     Fault(

@@ -124,7 +124,7 @@ def test_grid_is_frozen_and_takes_a_scalar() -> None:
         ([[1.0], [1.0, 2.0]], "ragged"),
         (None, "type"),
         ("ab", "type"),
-        ([0.0, 1.0], "positive"),
+        ([0.0, 1.0], r"starts at 0\.0; every value must be positive"),
     ],
 )
 def test_grid_refuses(value: Any, says: str) -> None:

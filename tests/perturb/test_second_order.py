@@ -1,9 +1,8 @@
-"""Second-order transition curves: exact series, order of the error, second-order regions, near-degenerate blocks."""
+"""Second-order transition curves: exact series, order of the error, second-order regions, invariances."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pytest
@@ -18,31 +17,14 @@ from perturb_oracles import (
 )
 from scipy.optimize import brentq
 from scipy.special import mathieu_a, mathieu_b
+from second_order_oracles import EVERYTHING, curves, gaps
 
 from floquet import trace_boundary
 from periodic import PeriodicSystem
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu, meissner
-from perturb import TransitionCurve, gyroscopic_modes, transition_curves
-from perturb.expansion import LARGEST_BLOCK, NEAR, effective_block, modal_couplings
+from perturb import gyroscopic_modes, transition_curves
+from perturb.expansion import effective_block, modal_couplings
 from plate import MovingPlate
-
-EVERYTHING = (0.0, 1e6)
-
-
-def curves(family: Any, Omega_range: tuple[float, float] = EVERYTHING, **options: Any) -> dict[str, TransitionCurve]:
-    return {c.label: c for c in transition_curves(family, Omega_range, order=2, **options)}
-
-
-def gaps(system: Any, label: str, eps: np.ndarray, **hill: Any) -> np.ndarray:
-    """Largest distance of the two edges from those of Hill's determinant."""
-    found = curves(system)[label]
-    result = []
-    for value in eps:
-        lower, upper = found.edges(value)
-        exact = hill_edges(system, 0.5 * (lower + upper), upper - lower, value, **hill)
-        result.append(max(abs(lower - exact[0]), abs(upper - exact[1])))
-    return np.array(result)
-
 
 # --- Mathieu ---------------------------------------------------------------------------------------------------------
 
@@ -212,116 +194,6 @@ def test_gap_on_the_plate(label: str, order: int) -> None:
     traced = trace_boundary(plate, found.centre, eps)
     gap = np.abs(np.array(found.edges(eps)) - [traced.lower, traced.upper]).max(axis=0)
     assert order - 0.15 < fitted_order(eps, gap) < order + 0.15
-
-
-# --- near-degenerate states ------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("detuning", "states"), [(0.0, 4), (1e-9, 4), (1e-5, 4), (1e-3, 4), (0.02, 4), (0.06, 4), (0.15, 2)]
-)
-def test_a_third_state_in_resonance_does_no_harm(detuning: float, states: int) -> None:
-    """omega_2 = 3 omega_1 (1 + detuning): at Omega = 2 omega_1 also omega_2 - omega_1 is in resonance. The error keeps
-    its size through exact resonance, where the plain second-order sum would divide by zero."""
-    zero = np.zeros((2, 2))
-    K = np.diag([1.0, 9.0 * (1 + detuning) ** 2])
-    system = PeriodicSystem(np.eye(2), zero, zero, K, [[[1.0, 0.8], [0.8, 1.0]]])
-    found = curves(system)["2ω₁"]
-    assert len(found.resonance.block.states) == states
-    eps = 0.08
-    assert gaps(system, "2ω₁", np.array([eps]), cut=8)[0] < 0.1 * eps**3
-    Omega = np.linspace(1.93, 2.07, 15)
-    exact = [hill_growth(system, value, eps) for value in Omega]
-    # Growth rates rise like the square root of the distance from an edge: of the order of eps^3 but next to one.
-    np.testing.assert_allclose(found.growth_rate(Omega, eps), exact, atol=0.2 * eps**3)
-
-
-def test_a_state_that_is_hardly_coupled_does_not_join() -> None:
-    """Unless it is as much nearer: blocks stay small, and the error does too."""
-    zero, eps = np.zeros((2, 2)), 0.08
-    for detuning, states in ((0.04, 2), (1e-4, 4)):
-        K = np.diag([1.0, 9.0 * (1 + detuning) ** 2])
-        system = PeriodicSystem(np.eye(2), zero, zero, K, [[[1.0, 0.02], [0.02, 1.0]]])
-        assert len(curves(system)["2ω₁"].resonance.block.states) == states
-        assert gaps(system, "2ω₁", np.array([eps]), cut=8)[0] < 0.1 * eps**3
-
-
-def test_gap_of_a_block_is_of_third_order() -> None:
-    zero, eps = np.zeros((2, 2)), np.array([0.04, 0.02, 0.01])
-    for detuning in (0.0, 0.02):
-        K = np.diag([1.0, 9.0 * (1 + detuning) ** 2])
-        system = PeriodicSystem(np.eye(2), zero, zero, K, [[[1.0, 0.8], [0.8, 1.0]]])
-        assert 2.85 < fitted_order(eps, gaps(system, "2ω₁", eps, cut=7)) < 3.15
-
-
-def test_states_of_a_wide_block_are_not_counted_twice() -> None:
-    """Of the frequencies 1, 3.2, 1.45 the third joins through the second, itself further than `NEAR` from the pair."""
-    zero, eps = np.zeros((3, 3)), np.array([0.04, 0.02, 0.01])
-    F = np.ones((3, 3)) - 0.5 * np.eye(3)
-    system = PeriodicSystem(np.eye(3), zero, zero, np.diag(np.array([1.0, 3.2, 1.45]) ** 2), [F])
-    assert np.abs(curves(system)["2ω₁"].resonance.block.detuning).max() > NEAR * 2.0
-    assert 2.85 < fitted_order(eps, gaps(system, "2ω₁", eps, cut=6)) < 3.15
-
-
-def test_damping_that_couples_close_modes_is_treated_exactly() -> None:
-    """Modes 1 and 1.01 coupled by damping alone, as strongly as their frequencies differ."""
-    zero, C = np.zeros((2, 2)), [[0.02, 0.019], [0.019, 0.02]]
-    system = PeriodicSystem(np.eye(2), zero, C, np.diag([1.0, 1.01**2]), [np.diag([1.0, 0.5])])
-    found, eps = curves(system)["2ω₁"], 0.08
-    Omega = np.array([1.98, 2.0, 2.02])
-    exact = [hill_growth(system, value, eps, cut=6) for value in Omega]
-    np.testing.assert_allclose(found.growth_rate(Omega, eps), exact, atol=0.02 * eps**3)
-
-
-def test_a_narrow_region_in_a_block_is_not_overlooked() -> None:
-    """Far narrower than the samples of the search, which spans what the strong coupling to the third state can move."""
-    zero, eps = np.zeros((2, 2)), 0.03
-    system = PeriodicSystem(np.eye(2), zero, zero, np.diag([1.0, 9.3]), [[[0.001, 0.8], [0.8, 1.0]]])
-    found = curves(system)["2ω₁"]
-    assert len(found.resonance.block.states) > 2
-    lower, upper = found.edges(eps)
-    assert 0 < upper - lower < 1e-4
-    exact = hill_edges(system, 0.5 * (lower + upper), upper - lower, eps, cut=7)
-    np.testing.assert_allclose((lower, upper), exact, atol=0.2 * eps**3)
-
-
-def test_of_two_regions_in_a_block_the_pair_has_its_own() -> None:
-    """(ω₁+ω₂)/2 beside 2ω₂/3, in whose faster growth its states take part as well: the width grows like eps."""
-    found = curves(random_system(16, 2, harmonics=2))["(ω₁+ω₂)/2"]
-    assert len(found.resonance.block.states) == 4
-    eps = np.array([0.005, 0.01, 0.015])
-    lower, upper = found.edges(eps)
-    np.testing.assert_allclose((upper - lower) / eps, 0.217, atol=0.03)
-
-
-def test_blocks_stay_small_and_divide_by_nothing_small() -> None:
-    """A chain of resonances without end: frequencies 1, 3, 5, ... with a full excitation matrix."""
-    n = 20
-    K = np.diag((2.0 * np.arange(n) + 1) ** 2)
-    zero = np.zeros((n, n))
-    system = PeriodicSystem(np.eye(n), zero, zero, K, [np.ones((n, n))])
-    block = curves(system, (1.9, 2.1))["2ω₁"].resonance.block
-    assert len(block.states) == LARGEST_BLOCK
-    couplings = modal_couplings(gyroscopic_modes(system), system)
-    largest = np.abs(couplings.E).max()
-    assert np.abs(block.powers[2]).max() <= 4 * n * largest**2 / (NEAR * 2.0)
-    assert np.isfinite(block.powers).all()
-
-
-def test_modes_of_one_frequency_are_exact_mathieu_equations() -> None:
-    """F = [[1, b], [b, 1]] on two equal oscillators: Mathieu with eps (1 + b), to second order as in the series."""
-    b, eps, zero = 0.5, 0.1, np.zeros((2, 2))
-    T = np.array([[1.0, 0.4], [-0.3, 1.2]])
-    system = PeriodicSystem(np.eye(2), zero, zero, np.eye(2), [[[1.0, b], [b, 1.0]]])
-    e = eps * (1 + b)
-    for case in (system, congruent(system, T)):
-        found = curves(case, kinds=["sum"])
-        for label in ("2ω₁", "ω₁+ω₂", "2ω₂"):
-            np.testing.assert_allclose(
-                found[label].edges(eps), (2 - e / 2 - e**2 / 32, 2 + e / 2 - e**2 / 32), rtol=1e-11
-            )
-        for label in ("2ω₁/2 (2nd)", "(ω₁+ω₂)/2 (2nd)", "2ω₂/2 (2nd)"):
-            np.testing.assert_allclose(found[label].edges(eps), (1 - 5 * e**2 / 24, 1 + e**2 / 24), rtol=1e-11)
 
 
 # --- the list --------------------------------------------------------------------------------------------------------

@@ -98,7 +98,7 @@ def test_the_variants_of_a_case(run: Run, tmp_path: Path) -> None:
 def test_a_sweep(run: Run, tmp_path: Path) -> None:
     status, said, _ = run("--case", "two.toml", "--sweep", "speed=0:5:6")
     assert status == 0
-    assert "speed from 5 to 5 is left out" in said
+    assert "speed = 5 is left out" in said
     assert _written(tmp_path) == [f"two-slow-speed.{suffix}" for suffix in ("csv", "npz", "pdf", "png")]
 
 
@@ -120,7 +120,11 @@ def test_a_sweep(run: Run, tmp_path: Path) -> None:
         (["--sweep", "speed=0:1"], "is not NAME=LOW:HIGH:COUNT"),
         (["--sweep", "speed=0:1:1000000000"], "asks for 1000000000 values; give 2 to 1000"),
         (["--sweep", "speed=0:1:-3"], "is not NAME=LOW:HIGH:COUNT"),
-        (["--sweep", "colour=0:1:3"], "name = 'colour' is not known"),
+        (["--sweep", "colour=0:1:3"], "--sweep = 'colour' is not known; give one of 'speed'"),
+        (["--sweep", "speed=0:1:3", "--html"], "--html has no meaning with --sweep"),
+        (["--sweep", "speed=0:1:3", "--points", 8, 4], "--points has no meaning with --sweep"),
+        (["--serve", "--no-regions"], "--no-regions has no meaning with --serve"),
+        (["--serve", "--sweep", "speed=0:1:3"], "--sweep has no meaning with --serve"),
         (["--sweep", "speed=1:0:3"], "not strictly increasing"),
         (["--serve", "--port", 99999], "port = 99999"),
     ],

@@ -166,14 +166,29 @@ def test_a_folder_of_ones_own_keeps_the_parts_for_two_commands(
     assert len(list((tmp_path / "parts").glob("*.block"))) == 2
 
 
+@pytest.mark.parametrize("encoding", ["ascii", "cp1252"])
+def test_a_terminal_without_greek_letters_is_no_obstacle(home: Path, tmp_path: Path, encoding: str) -> None:
+    # As where the output of a command goes into a file or a pipe under Windows.
+    command = [sys.executable, "-c", "import sys; from floquet_scripts import explore; sys.exit(explore.main())"]
+    arguments = ["--system", str(home / "pair.npz"), "--points", "8", "4", "--no-progress", "--output", str(tmp_path)]
+    environment = os.environ | {"PYTHONIOENCODING": encoding}
+    done = subprocess.run([*command, *arguments], env=environment, capture_output=True, text=True, encoding=encoding)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "ω" not in done.stdout
+    assert "pair.npz" in done.stdout
+
+
 def test_a_folder_that_cannot_be_written_to_is_refused_at_once(
     home: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "file").write_text("")
     common = ["--system", str(home / "pair.npz"), "--no-progress"]
-    for options in (["--output", str(tmp_path / "file")], ["--resume", str(tmp_path / "file"), "--output", "x"]):
+    file = str(tmp_path / "file")
+    for options in (["--output", file], ["--resume", file, "--output", "x"]):
         assert explore.main([*common, *options]) == 2
-        assert "cannot be written to" in capsys.readouterr().err
+        said = capsys.readouterr().err
+        assert "cannot be written to" in said
+        assert f"{options[0]} {file}: " in said
 
 
 @pytest.fixture(scope="module")
