@@ -18,8 +18,9 @@ from periodic.checks import FloatArray, one_of, real_array, real_number, whole_n
 
 # Edges are found to this part of Omega; regions narrower than ten times that count as closed.
 RESOLUTION = 1e-10
-# Relative change of stiffness (norm of eps F in energy coordinates) between two stations of the continuation in eps,
-# and how many there may be: a hundred times the stiffness is far beyond any separate region.
+# Relative change of stiffness (norm of eps F in energy coordinates) between two stations of the continuation in eps for
+# a resonance with j = 1, and how many there may be: a hundred times the stiffness is far beyond any separate region.
+# With larger j regions are closer together, about in proportion.
 STATION = 0.25
 MOST_STATIONS = 400
 # Most points on the way to the middle of a region, and to bracket an edge. A parabola needs about 6 and 3.
@@ -171,7 +172,7 @@ class _Route:
         self.family = family
         self.resonance = resonance
         self.pair = Pair(family, resonance)
-        self.spacing = STATION / self.pair.strength if self.pair.strength else np.inf
+        self.spacing = STATION / resonance.j / self.pair.strength if self.pair.strength else np.inf
         self.stations = [_Station(0.0, resonance.centre, resonance.solutions)]
 
     def edges(self, eps: float) -> tuple[Kind, tuple[_Edge, _Edge], tuple[float, float]]:

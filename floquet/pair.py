@@ -71,8 +71,10 @@ class Pair:
         Raises
         ------
         LostError
-            If there are no two such multipliers.
+            If there are no two such multipliers, or no such frequency.
         """
+        if Omega <= 0:
+            raise LostError
         block = self._block(Omega, eps)
         if with_error:
             found = period_map(block, Omega, eps, TOLERANCE)
@@ -153,13 +155,19 @@ def instability(mu: ComplexArray, lock: float | None, reciprocal: bool, shift: f
         f = Re Delta + (Im Delta / p)^2 - p^2 / 4 > 0.
 
     For conservative and reversible systems p = Im Delta = 0 and f = Re Delta is the square of the growth inside the
-    region, and minus the square of half the angle between the multipliers outside.
+    region, and minus the square of half the angle between the multipliers outside. In another region, where the pair of
+    one mode has met at the opposite point, half the angle stays pi, and Re Delta = growth^2 - pi^2: for this region
+    that is outside, however large the growth, and f turns off before it would change its sign.
     """
     difference = np.log(mu[0] / mu[1]) if lock is None else np.log(mu[0] / lock) - np.log(mu[1] / lock)
     Delta = complex((difference / 2) ** 2)
     error = abs(difference) / 2 * shift
-    p = -float(np.log(np.abs(mu)).sum())
-    if reciprocal or abs(p) < LEAST_DAMPING:
+    p = 0.0 if reciprocal else -float(np.log(np.abs(mu)).sum())
+    opposite = lock is not None and not mu.imag.any() and bool((mu.real * lock < 0).all())
+    if opposite and p >= -LEAST_DAMPING:
+        growth = difference.real / 2
+        return -(np.pi**2) / (1 + (growth / np.pi) ** 2) - p**2 / 4, error + p / 2 * shift
+    if abs(p) < LEAST_DAMPING:
         return Delta.real, error
     if p < 0:  # growing already in the mean of the two
         return np.sqrt(Delta).real ** 2 + p**2 / 4, error - p / 2 * shift

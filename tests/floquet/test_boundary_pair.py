@@ -117,3 +117,25 @@ def test_an_edge_beyond_a_narrow_crossing_region_is_found():
     trace = trace_boundary(plate, 12.4134, [0.18])
     assert monodromy(plate, trace.upper[0] - 1e-4, 0.18).kind == Kind.COMPLEX
     assert monodromy(plate, trace.upper[0] + 1e-4, 0.18).kind == Kind.STABLE
+
+
+def test_there_is_no_pair_at_no_frequency():
+    pair = PeriodicSystem(np.eye(2), np.zeros((2, 2)), np.zeros((2, 2)), np.diag([1.0, 4.0]), [[[1.0, 0.5], [0.5, 1.0]]])
+    route = _Route(pair, nearest_resonance(pair, 4.0))
+    with pytest.raises(LostError):
+        route.pair.at(0.0, 1.0, route.resonance.solutions)
+    # followed so far that the way leads below Omega = 0, the region is lost
+    assert trace_boundary(pair, 4.0, 5.0).kind[0] == Kind.UNDECIDED
+
+
+@pytest.mark.parametrize(("lock", "reciprocal"), [(1.0, True), (-1.0, True), (-1.0, False)])
+def test_a_pair_of_one_mode_at_the_opposite_point_is_outside(lock, reciprocal):
+    decay = 0.0 if reciprocal else 0.01
+    values = [
+        instability(-lock * np.exp(np.array([x - decay, -x - decay]).astype(complex)), lock, reciprocal, 0.0)[0]
+        for x in (0.0, 0.1, 1.0, 10.0)
+    ]
+    beside = instability(-lock * np.exp(np.array([1e-4j - decay, -1e-4j - decay])), lock, reciprocal, 0.0)[0]
+    assert values[0] == pytest.approx(beside, abs=1e-3)
+    assert (np.diff(values) > 0).all()
+    assert values[-1] < 0
