@@ -43,7 +43,8 @@ TARGET = 1e-10  # for the error E of `floquet.verdict`
 CLOSE = 0.1
 # The error is measured at two amplitudes, and with all multipliers; elsewhere it may be a little larger.
 SAFETY = 4.0
-ROUNDINGS = 32  # for each row of a matrix, from interpolation and eigenvalues; each step of the period adds one
+ROUNDINGS = 32  # for each row of a matrix, from interpolation and eigenvalues
+STEP_ROUNDINGS = 4  # for each step of the period: what its samples are off adds up
 UNIT = float(np.finfo(float).eps)
 
 
@@ -177,7 +178,7 @@ def _errors(
     slope = slope[list(measured)]
     unit = cycles * step**4 * np.maximum(slope[before], slope[after])
     truncation = unit[:, None] * np.abs(eps) * nu
-    roundings = cycles / step + ROUNDINGS * 2 * len(block.K)
+    roundings = STEP_ROUNDINGS * cycles / step + ROUNDINGS * 2 * len(block.K)
     rounding = UNIT * roundings[:, None] * (nu if block.symplectic else nu**2)
     return np.asarray(SAFETY * losses * np.maximum(truncation, rounding))
 

@@ -50,3 +50,14 @@ def trigonometric_weights(p: int, theta: ArrayLike) -> FloatArray:
     with np.errstate(invalid="ignore"):
         # Dirichlet's kernel, 1 + 2 cos 2 half + ... + 2 cos (p - 1) half, in closed form
         return np.where(half == 0, 1.0, np.sin(p * half) / (p * np.sin(half)))
+
+
+def exact_for_constants(weights: FloatArray) -> FloatArray:
+    """Return ``weights`` (wanted, samples) with the rounding error of the sum of each row taken off its largest weight.
+
+    Steps are so short that most of each is the same for all: what the sums are off adds up from step to step.
+    """
+    if weights.size:
+        rows, largest = np.arange(len(weights)), np.abs(weights).argmax(axis=1)
+        weights[rows, largest] -= weights.sum(axis=1) - 1
+    return weights

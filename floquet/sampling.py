@@ -145,7 +145,7 @@ class Sampler:
         while 2**halvings < min(B, FACTORS) and self._fits(2 ** (halvings + 1), 2 ** (halvings + 1) * growth / B):
             halvings += 1
         count = 2**halvings
-        plan = schedule((np.inf,), 0.0, np.ones(1).tobytes(), 1, B // count, halvings, TOLERANCE)  # all factors
+        plan = schedule((np.inf,), 0.0, np.ones(1).tobytes(), 1, 1, halvings, TOLERANCE)  # of these factors
         work = Workspace().arrays(count * N * N)
         product, total = np.eye(N)[None], unit_scale(1)
         for start in range(0, B, count):

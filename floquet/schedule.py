@@ -24,7 +24,13 @@ import numpy as np
 import scipy.linalg as sla
 from numpy.typing import NDArray
 
-from floquet.interpolation import chebyshev_points, chebyshev_weights, degree, trigonometric_weights
+from floquet.interpolation import (
+    chebyshev_points,
+    chebyshev_weights,
+    degree,
+    exact_for_constants,
+    trigonometric_weights,
+)
 from floquet.kept import kept
 from periodic.checks import FloatArray
 
@@ -181,14 +187,15 @@ def _grid(phases: int, nodes: FloatArray, x: tuple[float, ...], across: float, B
         m = min(degree((across / B,), tolerance) + 1, k)
     if m != k:
         points = chebyshev_points(k)
-        to_groups = chebyshev_weights(m, points)
+        to_groups = exact_for_constants(chebyshev_weights(m, points))
         radius = (nodes[0] - nodes[-1]) / (points[0] - points[-1])
         nodes = (nodes[0] + nodes[-1]) / 2 + radius * chebyshev_points(m)
     first = 2 * np.pi * np.arange(phases) / phases
     wanted = np.concatenate([first, first + 2 * np.pi / B]) * (p / (2 * np.pi))
     known = np.abs(wanted - np.rint(wanted)) < 1e-9
     pairs = np.where(known, np.rint(wanted).astype(int), p + np.cumsum(~known) - 1)
-    to_others = trigonometric_weights(p, wanted[~known] * (2 * np.pi / p)) if p != B else np.empty((0, p))
+    others = wanted[~known] * (2 * np.pi / p)
+    to_others = exact_for_constants(trigonometric_weights(p, others)) if p != B else np.empty((0, p))
     theta = np.repeat(2 * np.pi * np.arange(p) / p, m)
     return _Doubling(theta, np.tile(nodes, p), p, m, k, to_groups, to_others, pairs, watched=p == B)
 
@@ -223,7 +230,7 @@ def _skeleton(theta: FloatArray, eps: FloatArray, x: FloatArray) -> tuple[NDArra
         if count >= SURPLUS * k or count >= SURPLUS * len(theta):
             break
         count *= 2
-    return order, sla.solve_triangular(R[:k, :k], R[:k, k:], check_finite=False).T
+    return order, exact_for_constants(sla.solve_triangular(R[:k, :k], R[:k, k:], check_finite=False).T)
 
 
 def _functions(theta: FloatArray, eps: FloatArray, x: FloatArray, count: int) -> FloatArray:

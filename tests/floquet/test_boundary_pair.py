@@ -120,7 +120,9 @@ def test_an_edge_beyond_a_narrow_crossing_region_is_found():
 
 
 def test_there_is_no_pair_at_no_frequency():
-    pair = PeriodicSystem(np.eye(2), np.zeros((2, 2)), np.zeros((2, 2)), np.diag([1.0, 4.0]), [[[1.0, 0.5], [0.5, 1.0]]])
+    pair = PeriodicSystem(
+        np.eye(2), np.zeros((2, 2)), np.zeros((2, 2)), np.diag([1.0, 4.0]), [[[1.0, 0.5], [0.5, 1.0]]]
+    )
     route = _Route(pair, nearest_resonance(pair, 4.0))
     with pytest.raises(LostError):
         route.pair.at(0.0, 1.0, route.resonance.solutions)

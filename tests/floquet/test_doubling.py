@@ -249,7 +249,7 @@ def test_doubling_a_single_phase():
     assert doubled(plan, P[None])[0] == pytest.approx(np.linalg.matrix_power(P, 8), abs=1e-14)
 
 
-@pytest.mark.parametrize("entries", [2**22, 300])
+@pytest.mark.parametrize("entries", [2**22, 300, 40])
 def test_little_memory_changes_nothing(monkeypatch, entries):
     # with room for a few matrices only, cells are done one by one, and the end of the period factor by factor
     block = blocks(mathieu(1.0, 0.01))[0]
@@ -259,6 +259,15 @@ def test_little_memory_changes_nothing(monkeypatch, entries):
     expected = [ordered(steps(block, 0.1, e, 2**10)) for e in eps]
     for one, other in zip(found, expected, strict=True):
         assert np.linalg.norm(one - other) < 1e-11 * np.linalg.norm(other)
+
+
+@pytest.mark.parametrize("x", [(1e-9,), (0.01,), (1.0,), (0.5, 0.3)])
+def test_interpolation_is_exact_for_constants(x):
+    # what a constant is off adds up from step to step
+    plan = schedule(x, x[0], np.linspace(-1, 1, 9).tobytes(), 1, 1, 10, TOLERANCE)
+    P = np.broadcast_to(sla.expm([[0.0, 0.005], [-0.005, 0.0]]), (plan.sizes[0], 2, 2))
+    for found in doubled(plan, P):
+        assert abs(np.linalg.det(found) - 1) < 2**10 * np.finfo(float).eps
 
 
 def test_growth_beyond_the_largest_float():
