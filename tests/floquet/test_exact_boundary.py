@@ -118,8 +118,8 @@ def test_a_meeting_of_multipliers_within_the_error_is_not_called_unstable() -> N
 @pytest.mark.parametrize("strength", [1.0, 30.0, 1000.0])
 @pytest.mark.parametrize("rows", [2, 12])
 def test_chart_grows_nothing_without_excitation(strength: float, rows: int) -> None:
-    # at Omega = 2 / k both multipliers are (-1)^k at eps = 0, and it is strong excitation, at the other amplitudes, that
-    # asks for many steps
+    # at Omega = 2 / k both multipliers are (-1)^k at eps = 0, and strong excitation, at the other amplitudes, asks for
+    # many steps
     for k in (1, 4, 19, 31, 39):
         system = PeriodicSystem([[1.0]], [[0.0]], [[0.0]], [[1.0]], [[[strength]]])
         chart = stability_chart(system, [2 / k], np.linspace(0.0, 1.0, rows), n_jobs=1, progress=False, audit=0)
