@@ -17,7 +17,8 @@ SAME = 1e-9
 def middles(Omega, f, apart, exact, height, most, centre, slope, close):  # type: ignore[no-untyped-def]
     """Return for each level, as arrays (k,), where the middle of a region is, NaN where unknown; the square of its half
     width, as part of f there; f there as the nearest node has it; the most that f can be there, since that node is
-    stable; the node, if it is inside the region, else -1; and whether it is near enough to count.
+    stable; the node, if it is inside the region, else -1; whether it is near enough to count; and, where the middle is
+    unknown, where it may be: straight on from two nodes on one side, no further than they are apart.
 
     The middle is where x is zero, by a cubic through the nodes on both sides. x is Omega sqrt(height - f), with the
     sign of ``apart``, or Omega apart / 2 where this is ``exact``: a straight line in Omega if the two modes have
@@ -37,6 +38,7 @@ def middles(Omega, f, apart, exact, height, most, centre, slope, close):  # type
     count, levels = f.shape
     place, square, top = np.full(levels, np.nan), np.zeros(levels), np.zeros(levels)
     room = np.full(levels, np.inf)
+    likely = np.full(levels, np.nan)
     inside, measured = np.full(levels, -1), np.zeros(levels, np.bool_)
     x, chosen = np.empty(count), np.empty(count, np.intp)
     last = centre
@@ -66,6 +68,7 @@ def middles(Omega, f, apart, exact, height, most, centre, slope, close):  # type
                 if abs(way) < close and (steepness == 0.0 or abs(way) < abs(place[k] - Omega[chosen[a]])):
                     place[k], steepness = Omega[chosen[a]] + way, slope
         if steepness == 0.0:
+            likely[k] = _straight_on(Omega, chosen, x, known, slope)
             continue
         last = place[k]
         nearest = -1
@@ -79,7 +82,20 @@ def middles(Omega, f, apart, exact, height, most, centre, slope, close):  # type
         elif top[k] <= most[k]:
             inside[k] = nearest
         measured[k] = top[k] <= most[k] and (f[nearest, k] > 0.0 or off < NEAR * abs(height[k]))
-    return place, square, top, room, inside, measured
+    return place, square, top, room, inside, measured, likely
+
+
+@njit(cache=True, nogil=True)
+def _straight_on(Omega, chosen, x, known, slope):  # type: ignore[no-untyped-def]
+    """Return where x is zero beyond two of the ``known`` nodes, no further than they are apart; NaN if nowhere."""
+    for a in range(known - 1):
+        first, second = Omega[chosen[a]], Omega[chosen[a + 1]]
+        rate = (x[a + 1] - x[a]) / (second - first)
+        if slope * STEEPNESS < rate < slope / STEEPNESS:
+            found = first - x[a] / rate
+            if 2 * first - second <= found <= 2 * second - first:
+                return found
+    return np.nan
 
 
 @njit(cache=True, nogil=True)

@@ -24,7 +24,7 @@ COLUMNS = 128
 # Narrow regions are followed up to this many such distances.
 WIDE = 2.0
 # Regions that are nowhere wider than this part of the tolerance are left out.
-NARROWEST = 0.001
+NARROWEST = 2e-4
 # A region that is no longer narrow at this part of the height of the window is left to the columns.
 SOON = 0.05
 # Amplitudes at which a resonance is compared with the wide regions, as parts of the height.

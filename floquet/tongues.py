@@ -36,6 +36,8 @@ A_TASK = 4
 TRIALS = 4
 # Levels in a row at which nothing may be known within a stretch: where one of the modes meets a third one in passing.
 GAP = 8
+# Levels beyond the upper end of a stretch at which a column is placed, if it may go on there.
+AHEAD = 4
 # A column that is unstable by more than this many times what is expected is so by something else.
 MOST = 16.0
 # A node on one side only says where a region is that is this near to it, as part of the window.
@@ -74,6 +76,7 @@ class _Fit(NamedTuple):
     height: FloatArray
     measured: NDArray[np.bool_]
     inside: NDArray[np.intp]
+    likely: FloatArray
 
 
 def trace_tongues(
@@ -140,6 +143,7 @@ class _Follower:
         fit = self.fit(nodes, levels)
         for _ in range(TRIALS):
             place = self._unmet(fit, nodes, first)
+            place = self._further(fit, nodes, first) if place is None else place
             if place is None:
                 break
             nodes = self._with(nodes, place)
@@ -158,6 +162,16 @@ class _Follower:
                 top = start + int(np.flatnonzero(seen[start : last + 1])[-1])
                 if fit.centre[top] not in nodes.Omega and self._witness(fit, nodes, start, last) is None:
                     return float(fit.centre[top])
+        return None
+
+    def _further(self, fit: _Fit, nodes: Nodes, first: int) -> float | None:
+        """Return where to place a column to follow a stretch beyond its upper end; None if there is nowhere."""
+        likely = np.where(nodes.wide.at(np.nan_to_num(fit.likely)), np.nan, fit.likely)
+        for start, last in _stretches(fit.centre):
+            ahead = likely[last + 1 : last + 1 + AHEAD]
+            if last > max(start, first) and len(ahead) == AHEAD and np.isfinite(ahead).all():
+                if self.window[0] <= ahead[-1] <= self.window[1] and ahead[-1] not in nodes.Omega:
+                    return float(ahead[-1])
         return None
 
     def _witness(self, fit: _Fit, nodes: Nodes, start: int, last: int) -> tuple[float, float, bool] | None:
@@ -217,7 +231,7 @@ class _Follower:
         height, exact = self.free + self.expected, self.candidate.balance < BALANCED
         limits = (self.free + MOST * self.expected, self.candidate.name.centre, self.slope, self.close)
         for _ in range(PASSES):
-            centre, square, f, room, inside, measured = middles(*nodes[:3], exact, height, *limits)
+            centre, square, f, room, inside, measured, likely = middles(*nodes[:3], exact, height, *limits)
             centre[levels:] = np.nan
             known = np.flatnonzero(measured & np.isfinite(centre) & (f > self.free))
             if not len(known):
@@ -227,7 +241,7 @@ class _Follower:
             part = np.minimum((self.eps / np.maximum(self.eps[known[above]], TINY)) ** 2, 1.0)
             height = self.free + self.expected * ratio[above] ** part
         height = np.minimum(height, room)
-        return _Fit(centre, square, height, measured, np.where(np.isfinite(centre), inside, -1))
+        return _Fit(centre, square, height, measured, np.where(np.isfinite(centre), inside, -1), likely)
 
     def _outline(self, fit: _Fit, nodes: Nodes, start: int, last: int) -> Tongue | None:
         """Return a stretch of the region; None if no column meets it."""

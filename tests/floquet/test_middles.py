@@ -25,7 +25,7 @@ def measures(centre: float, height: float) -> tuple[FloatArray, FloatArray]:
 def test_the_middle_is_exact_for_constant_frequencies(height: float, inside: int) -> None:
     f, apart = measures(10.03, height)
     known = np.array([height])
-    place, square, top, room, met, measured = middles(OMEGA, f, apart, False, known, 16 * known, 10.1, SLOPE, 0.1)
+    place, square, top, room, met, measured, _ = middles(OMEGA, f, apart, False, known, 16 * known, 10.1, SLOPE, 0.1)
     assert place[0] == pytest.approx(10.03, rel=1e-9)
     assert np.sqrt(square[0] * height) == pytest.approx(np.sqrt(height) * 10.03 / np.pi, rel=1e-3)
     assert top[0] == pytest.approx(height, rel=1e-3)
@@ -39,7 +39,7 @@ def test_the_middle_is_exact_for_constant_frequencies(height: float, inside: int
 def test_a_column_that_is_unstable_by_something_else_is_not_inside() -> None:
     f, apart = measures(10.03, 1e-6)
     f[2] = 1e-2
-    place, _, _, _, met, measured = middles(
+    place, _, _, _, met, measured, _ = middles(
         OMEGA, f, apart, False, np.array([1e-6]), np.array([16e-6]), 10.1, SLOPE, 0.1
     )
     assert place[0] == pytest.approx(10.03, rel=1e-3)
@@ -57,3 +57,16 @@ def test_columns_of_other_modes_say_nothing() -> None:
     # but one that is close to the region says where it is, without a column on the other side
     close = (*args[:-1], 0.05)
     assert middles(OMEGA[:3], f[:3], apart[:3], *close)[0][0] == pytest.approx(10.03, rel=1e-9)
+
+
+@pytest.mark.kernel
+def test_a_region_may_go_on_straight_beyond_the_columns_on_one_side() -> None:
+    args = (False, np.array([1e-6]), np.array([16e-6]), 10.1, SLOPE, 0.01)
+    for centre, nodes in ((10.03, slice(1, 3)), (10.03, slice(3, 5)), (10.3, slice(1, 3)), (9.7, slice(2, 4))):
+        f, apart = (part[nodes] for part in measures(centre, 1e-6))
+        place, *_, likely = middles(OMEGA[nodes], f, apart, *args)
+        assert np.isnan(place[0])
+        if centre == 10.03:
+            assert likely[0] == pytest.approx(10.03, abs=1e-3)
+        else:  # further than they are apart
+            assert np.isnan(likely[0])

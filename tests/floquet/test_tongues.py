@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import brentq
 from scipy.special import mathieu_a, mathieu_b
 
-from floquet import Kind, monodromy, trace_boundary
+from floquet import Kind, monodromy, stability_chart, trace_boundary
 from floquet.column import Spectra, multipliers
 from floquet.coupling import candidates
 from floquet.names import resonances
@@ -165,3 +165,19 @@ def test_a_region_that_passes_a_column_between_two_levels_needs_no_other(monkeyp
     )
     # a cubic through columns 0.0125 apart
     assert (tongue.lower[-1] + tongue.upper[-1]) / 2 == pytest.approx(sum(edges) / 2, abs=1e-5)
+
+
+def test_a_region_is_followed_beside_a_wide_one_that_is_on_one_side() -> None:
+    # (ω₄+ω₁₁)/2 runs along the edge of 2ω₄: from eps = 0.43 on, the columns to the left of it lie in that
+    plate = MovingPlate(inplane="static")
+    scan = Scan(plate, (5.0, 90.0), np.linspace(0.0, 1.0, 80), 1)
+    scan.add(np.linspace(5.0, 90.0, 129))
+    member = plate.at(80.0)
+    (one,) = candidates(member, [name for name in resonances(member, 81.0, 82.0) if name[:3] == (11, 4, 2)], 1.0)
+    (stretch,) = trace_tongues(plate, [one], scan, (0.0, 1.0), 1.0, 1)
+    assert stretch.eps[-1] > 0.46
+    # within a tenth of the tolerance that regions have in this window, 0.085
+    chart = stability_chart(plate, np.linspace(81.5, 82.0, 501), [0.3, 0.44, 0.46], progress=False, audit=0)
+    for eps, kind in zip(chart.eps, chart.kind, strict=True):
+        middle = (np.interp(eps, stretch.eps, stretch.lower) + np.interp(eps, stretch.eps, stretch.upper)) / 2
+        assert np.abs(chart.Omega[kind == Kind.COMPLEX] - middle).min() < 0.0085
