@@ -195,6 +195,9 @@ class _Follower:
         crossed = fits[:, 1:] & fits[:, :-1] & (sides[:, 1:] != sides[:, :-1]) & (known[1:] | known[:-1])
         if not crossed.any():
             return None
+        beside = np.pad(fits, ((0, 0), (1, 1)))
+        well = crossed & beside[:, :-3] & beside[:, 3:]  # next to a third one modes are bent
+        crossed = well if well.any() else crossed
         level = int(np.flatnonzero(crossed.any(axis=0))[-1])
         column = int(crossed[:, level].argmax())
         some = np.arange(max(start + level - 1, 0), min(start + level + 3, len(self.eps)))
