@@ -178,6 +178,29 @@ def test_function(found: Exponents, p: int, q: int, j: int, sign: int, conservat
 
 
 @njit(cache=True, nogil=True)
+def leading(found: Exponents) -> tuple[FloatArray, FloatArray]:
+    """Return f of the most unstable pair in every cell, (k,), and its mark, (k,): marks of one region differ little
+    between neighbouring cells, those of two regions in general by more.
+
+    f is that of `test_function` for two modes of equal damping, but not negative. The mark is the angle, set apart
+    where the multipliers are real.
+    """
+    angle, modulus, split = found
+    f, mark = np.zeros(len(angle)), np.zeros(len(angle))
+    for c in range(len(angle)):
+        first = int((modulus[c] + split[c]).argmax())
+        if split[c, first] > 0.0:
+            f[c] = max(split[c, first] ** 2 - modulus[c, first] ** 2, 0.0)
+            mark[c] = 2 * np.pi + 2 * angle[c, first]
+        else:
+            distance = np.abs(angle[c] - angle[c, first])
+            distance[first] = np.inf
+            f[c] = max(-modulus[c, first] * modulus[c, int(distance.argmin())], 0.0)
+            mark[c] = angle[c, first]
+    return f, mark
+
+
+@njit(cache=True, nogil=True)
 def edge(found: Exponents, eps: FloatArray, outside: int, inside: int, further: int, conservative: bool) -> float:
     """Return where between two neighbouring amplitudes, ``outside`` and ``inside`` a region, its edge is.
 

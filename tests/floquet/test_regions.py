@@ -19,7 +19,8 @@ from floquet.monodromy import is_unstable
 from floquet.names import resonances
 from floquet.outline import Interval, Loop, area, components, loops
 from floquet.regions import _witness
-from floquet.scanning import Scan, _Slabs, _with_neighbours
+from floquet.scanning import Scan, _with_neighbours
+from floquet.slabs import Slabs
 from floquet.tongues import Tongue
 from periodic import PeriodicSystem
 from periodic.examples import coupled_mathieu, mathieu
@@ -308,13 +309,13 @@ def test_blocks_that_are_stable_on_both_sides_are_spared() -> None:
 
 def test_a_slab_is_looked_at_again_only_when_a_column_near_it_is_new(monkeypatch: pytest.MonkeyPatch) -> None:
     looked: list[tuple[float, ...]] = []
-    place = _Slabs.place
+    place = Slabs.place
 
-    def spied(slabs: _Slabs, c: int) -> list[float]:
+    def spied(slabs: Slabs, c: int) -> list[float]:
         looked.append(tuple(slabs.Omega[max(c - 2, 0) : c + 4].tolist()))
         return place(slabs, c)
 
-    monkeypatch.setattr(_Slabs, "place", spied)
+    monkeypatch.setattr(Slabs, "place", spied)
     scan = Scan(mathieu(), (1.0, 3.0), np.linspace(0.0, 0.3, 80), 1)
     scan.add(np.linspace(1.0, 3.0, 33))
     scan.refine((2.0, 0.3), 0.0, 1e-3)
