@@ -15,10 +15,16 @@ SAME = 1e-9
 
 @njit(cache=True, nogil=True)
 def middles(Omega, f, apart, exact, height, most, centre, slope, close):  # type: ignore[no-untyped-def]
-    """Return for each level, as arrays (k,), where the middle of a region is, NaN where unknown; the square of its half
-    width, as part of f there; f there as the nearest node has it; the most that f can be there, since that node is
-    stable; the node, if it is inside the region, else -1; whether it is near enough to count; and, where the middle is
-    unknown, where it may be: straight on from two nodes on one side, no further than they are apart.
+    """Return for each level, as arrays (k,):
+
+    * where the middle of a region is, NaN where unknown;
+    * the square of its half width, as part of f there;
+    * f there as the nearest node has it;
+    * the most that f can be there, since nodes beside it are stable;
+    * the nearest node, if it is inside the region, else -1;
+    * whether it is near enough to count;
+    * where the middle may be where it is unknown: straight on from two nodes on one side;
+    * by how much the middle may be off.
 
     The middle is where x is zero, by a cubic through the nodes on both sides. x is Omega sqrt(height - f), with the
     sign of ``apart``, or Omega apart / 2 where this is ``exact``: a straight line in Omega if the two modes have
@@ -38,7 +44,7 @@ def middles(Omega, f, apart, exact, height, most, centre, slope, close):  # type
     count, levels = f.shape
     place, square, top = np.full(levels, np.nan), np.zeros(levels), np.zeros(levels)
     room = np.full(levels, np.inf)
-    likely = np.full(levels, np.nan)
+    likely, doubt = np.full(levels, np.nan), np.zeros(levels)
     inside, measured = np.full(levels, -1), np.zeros(levels, np.bool_)
     x, chosen = np.empty(count), np.empty(count, np.intp)
     last = centre
@@ -59,9 +65,9 @@ def middles(Omega, f, apart, exact, height, most, centre, slope, close):  # type
                 rate = (x[a + 1] - x[a]) / (second - first)
                 if not slope * STEEPNESS < rate < slope / STEEPNESS:
                     continue
-                found = _zero(Omega, chosen, x, known, a, rate)
+                found, off = _zero(Omega, chosen, x, known, a, rate)
                 if steepness == 0.0 or abs(found - last) < abs(place[k] - last):
-                    place[k], steepness = found, rate
+                    place[k], steepness, doubt[k] = found, rate, off
         if steepness == 0.0:  # known on one side only, but close
             for a in range(known):
                 way = -x[a] / slope
@@ -73,16 +79,18 @@ def middles(Omega, f, apart, exact, height, most, centre, slope, close):  # type
         last = place[k]
         nearest = -1
         for c in range(count):
-            if not np.isnan(f[c, k]) and (nearest < 0 or abs(Omega[c] - last) < abs(Omega[nearest] - last)):
+            if np.isnan(f[c, k]):
+                continue
+            if nearest < 0 or abs(Omega[c] - last) < abs(Omega[nearest] - last):
                 nearest = c
+            if f[c, k] <= 0.0:
+                room[k] = min(room[k], (steepness * (Omega[c] - last) / Omega[c]) ** 2)
         off = (steepness * (Omega[nearest] - last) / Omega[nearest]) ** 2
         top[k], square[k] = f[nearest, k] + off, (last / steepness) ** 2
-        if f[nearest, k] <= 0.0:
-            room[k] = off
-        elif top[k] <= most[k]:
+        if f[nearest, k] > 0.0 and top[k] <= most[k]:
             inside[k] = nearest
         measured[k] = top[k] <= most[k] and (f[nearest, k] > 0.0 or off < NEAR * abs(height[k]))
-    return place, square, top, room, inside, measured, likely
+    return place, square, top, room, inside, measured, likely, doubt
 
 
 @njit(cache=True, nogil=True)
@@ -100,7 +108,7 @@ def _straight_on(Omega, chosen, x, known, slope):  # type: ignore[no-untyped-def
 
 @njit(cache=True, nogil=True)
 def _zero(Omega, chosen, x, known, a, rate):  # type: ignore[no-untyped-def]
-    """Return where x is zero between nodes a and a + 1 of the ``known`` ones."""
+    """Return where x is zero between nodes a and a + 1 of the ``known`` ones, and how much it depends on the others."""
     begin, end = a, a + 2
     for step in (-1, 1):  # one more on each side, if it is no stranger
         b = a - 1 if step < 0 else a + 2
@@ -109,6 +117,19 @@ def _zero(Omega, chosen, x, known, a, rate):  # type: ignore[no-untyped-def]
             beside = (x[b] - x[c]) / (Omega[chosen[b]] - Omega[chosen[c]])
             if rate * STEEPNESS < beside < rate / STEEPNESS:
                 begin, end = min(begin, b), max(end, b + 1)
+    first, second = Omega[chosen[a]], Omega[chosen[a + 1]]
+    found, straight = _root(Omega, chosen, x, begin, end), first - x[a] / rate
+    if not first <= found <= second:
+        return straight, second - first
+    left, right = a, a + 2
+    if end - begin == 4:  # without one of the two further ones
+        left, right = (begin, right) if abs(x[begin]) < abs(x[end - 1]) else (left, end)
+    return found, abs(found - _root(Omega, chosen, x, left, right))
+
+
+@njit(cache=True, nogil=True)
+def _root(Omega, chosen, x, begin, end):  # type: ignore[no-untyped-def]
+    """Return where x is zero, by the polynomial Omega(x) through some nodes."""
     found = 0.0
     for b in range(begin, end):
         weight = 1.0
@@ -116,5 +137,4 @@ def _zero(Omega, chosen, x, known, a, rate):  # type: ignore[no-untyped-def]
             if c != b:
                 weight *= x[c] / (x[c] - x[b])
         found += weight * Omega[chosen[b]]
-    first, second = Omega[chosen[a]], Omega[chosen[a + 1]]
-    return found if first <= found <= second else first - x[a] / rate
+    return found

@@ -21,6 +21,8 @@ from periodic.checks import FloatArray, interval, one_of, real_array, real_numbe
 
 # Columns before any refinement. Regions narrower than the distance between them are looked for at their resonances.
 COLUMNS = 128
+# The resonances of regions that become wider than this part of the distance between the columns have a column each.
+FOOT = 0.5
 # Narrow regions are followed up to this many such distances.
 WIDE = 2.0
 # Regions that are nowhere wider than this part of the tolerance are left out.
@@ -30,7 +32,7 @@ SOON = 0.05
 # Amplitudes at which a resonance is compared with the wide regions, as parts of the height.
 PROBES = np.array([1 / 64, 1 / 32, 1 / 16, *(np.arange(1, 9) / 8)])
 # No more resonances than these are followed: at low Omega and large eps there is no end of them.
-MOST = 200
+MOST = 400
 # A column at a resonance is placed no nearer to the others than this part of the window.
 APART = 1e-4
 # Levels at which the width of a region is measured.
@@ -166,7 +168,7 @@ def trace_regions(
     base = np.linspace(low, high, COLUMNS + 1)
     spare = width / COLUMNS
     expected = candidates(member, [name for name in names if low - spare < name.centre < high + spare], top)
-    feet = [one.name.centre for one in expected if one.width > width / COLUMNS and one.name.j <= 2]
+    feet = [one.name.centre for one in expected if one.width > FOOT * width / COLUMNS and one.name.j <= 2]
     feet = [foot for foot in feet if low < foot < high]
     with tqdm(total=4, unit="stage", disable=None if progress is None else not progress) as bar:
         beside = [w for w in (low - spare, high + spare) if w > 0]  # where modes go on, for what starts outside

@@ -194,3 +194,13 @@ def test_a_witness_is_where_its_modes_are_free() -> None:
     (stretch,) = stretches_of_one(plate, (12, 1, 3))
     assert stretch.sure
     assert monodromy(plate, *stretch.witness).kind == Kind.COMPLEX
+
+
+def test_a_region_that_bends_is_measured_where_it_is_known_least() -> None:
+    # from eps = 0.8 on, (ω₁+ω₃)/3 has a wide region on its right, and columns beyond that are far away
+    plate = MovingPlate(inplane="static")
+    stretch = stretches_of_one(plate, (3, 1, 3))[0]
+    chart = stability_chart(plate, np.linspace(14.3, 15.0, 701), [0.86, 0.91], progress=False, audit=0)
+    for eps, kind in zip(chart.eps, chart.kind, strict=True):
+        middle = (np.interp(eps, stretch.eps, stretch.lower) + np.interp(eps, stretch.eps, stretch.upper)) / 2
+        assert np.abs(chart.Omega[kind == Kind.COMPLEX] - middle).min() < 0.017
