@@ -7,6 +7,8 @@ from numba import njit
 
 # x falls with Omega as between modes of constant frequencies, but for this factor.
 STEEPNESS = 3.0
+# As much steeper it may be where that says how narrow a region is.
+STEEPER = 1.5
 # A node counts where it is inside the region, or that near to its middle, as part of the square of the half width.
 NEAR = 0.25
 # Frequencies that agree to this part of themselves are the same.
@@ -49,25 +51,13 @@ def middles(Omega, f, apart, exact, height, most, centre, slope, close):  # type
     x, chosen = np.empty(count), np.empty(count, np.intp)
     last = centre
     for k in range(levels):
-        known = 0
-        for c in range(count):
-            if np.isnan(f[c, k]) or abs(Omega[c] - centre) <= SAME * centre:
-                continue  # from the resonance itself two modes start as one: which is which is unknown
-            if exact or (apart[c, k] != 0.0 and f[c, k] < height[k]):
-                off = apart[c, k] / 2 if exact else np.sqrt(height[k] - f[c, k])
-                x[known] = np.copysign(Omega[c] * off, apart[c, k])
-                chosen[known] = c
-                known += 1
-        steepness = 0.0
-        for a in range(known - 1):
-            if x[a] >= 0.0 and x[a + 1] < 0.0:
-                first, second = Omega[chosen[a]], Omega[chosen[a + 1]]
-                rate = (x[a + 1] - x[a]) / (second - first)
-                if not slope * STEEPNESS < rate < slope / STEEPNESS:
-                    continue
-                found, off = _zero(Omega, chosen, x, known, a, rate)
-                if steepness == 0.0 or abs(found - last) < abs(place[k] - last):
-                    place[k], steepness, doubt[k] = found, rate, off
+        high = height[k]
+        known = _measures(Omega, f[:, k], apart[:, k], exact, high, centre, x, chosen)
+        place[k], steepness, doubt[k] = _between(Omega, chosen, x, known, slope, last)
+        if steepness == 0.0 and not exact:  # too steep for a region that high?
+            high = _highest(Omega, f[:, k], apart[:, k], high, centre, slope)
+            known = _measures(Omega, f[:, k], apart[:, k], exact, high, centre, x, chosen)
+            place[k], steepness, doubt[k] = _between(Omega, chosen, x, known, slope, last)
         if steepness == 0.0:  # known on one side only, but close
             for a in range(known):
                 way = -x[a] / slope
@@ -89,8 +79,55 @@ def middles(Omega, f, apart, exact, height, most, centre, slope, close):  # type
         top[k], square[k] = f[nearest, k] + off, (last / steepness) ** 2
         if f[nearest, k] > 0.0 and top[k] <= most[k]:
             inside[k] = nearest
-        measured[k] = top[k] <= most[k] and (f[nearest, k] > 0.0 or off < NEAR * abs(height[k]))
+        measured[k] = top[k] <= most[k] and (f[nearest, k] > 0.0 or off < NEAR * abs(high))
     return place, square, top, room, inside, measured, likely, doubt
+
+
+@njit(cache=True, nogil=True)
+def _measures(Omega, f, apart, exact, height, centre, x, chosen):  # type: ignore[no-untyped-def]
+    """Set x at the nodes where it is known, and which these are; return how many."""
+    known = 0
+    for c in range(f.size):
+        if np.isnan(f[c]) or abs(Omega[c] - centre) <= SAME * centre:
+            continue  # from the resonance itself two modes start as one: which is which is unknown
+        if exact or (apart[c] != 0.0 and f[c] < height):
+            off = apart[c] / 2 if exact else np.sqrt(height - f[c])
+            x[known] = np.copysign(Omega[c] * off, apart[c])
+            chosen[known] = c
+            known += 1
+    return known
+
+
+@njit(cache=True, nogil=True)
+def _between(Omega, chosen, x, known, slope, last):  # type: ignore[no-untyped-def]
+    """Return where x is zero between two of the ``known`` nodes, nearest to ``last``, how x falls there, 0 if there is
+    no such place, and by how much the place may be off."""
+    place, steepness, doubt = np.nan, 0.0, 0.0
+    for a in range(known - 1):
+        if x[a] >= 0.0 and x[a + 1] < 0.0:
+            rate = (x[a + 1] - x[a]) / (Omega[chosen[a + 1]] - Omega[chosen[a]])
+            if slope * STEEPNESS < rate < slope / STEEPNESS:
+                found, off = _zero(Omega, chosen, x, known, a, rate)
+                if steepness == 0.0 or abs(found - last) < abs(place - last):
+                    place, steepness, doubt = found, rate, off
+    return place, steepness, doubt
+
+
+@njit(cache=True, nogil=True)
+def _highest(Omega, f, apart, height, centre, slope):  # type: ignore[no-untyped-def]
+    """Return ``height``, or less where the region lies between two stable nodes that are too near for it.
+
+    On both sides h - f is the square of how x falls on the way to the middle.
+    """
+    before = -1
+    for c in range(f.size):
+        if np.isnan(f[c]) or abs(Omega[c] - centre) <= SAME * centre:
+            continue
+        if before >= 0 and apart[before] > 0.0 and apart[c] < 0.0 and max(f[before], f[c]) <= 0.0:
+            fall = STEEPER * slope * (Omega[before] - Omega[c]) / Omega[c]
+            height = min(height, f[before] + ((fall + (f[c] - f[before]) / fall) / 2) ** 2)
+        before = c
+    return height
 
 
 @njit(cache=True, nogil=True)

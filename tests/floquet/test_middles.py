@@ -86,3 +86,12 @@ def test_doubt_is_what_the_middle_is_off_where_frequencies_change() -> None:
     straight, *_, doubt = middles(OMEGA, *measures(10.03, 0.0), *args)
     assert straight[0] == pytest.approx(10.03, rel=1e-9)
     assert doubt[0] < 1e-9
+
+
+@pytest.mark.kernel
+def test_a_region_expected_too_wide_is_found_between_columns_too_near_for_that() -> None:
+    f, apart = measures(10.03, 1e-6)
+    much = np.array([1.0])  # for that, x would have to fall from 10 to -10 between 10.0 and 10.2
+    place, _, _, room, *_ = middles(OMEGA, f, apart, False, much, 16 * much, 10.1, SLOPE, 0.01)
+    assert 10.0 < place[0] < 10.2
+    assert room[0] < 0.01
