@@ -111,8 +111,7 @@ class Slabs:
 
     def _is_foreseen(self, c: int, i: int, step: int) -> bool:
         """Whether the edges of an interval meet before column c + step if they go on from the last columns, of one
-        kind, with a curvature that moves the place by less than the tolerance: most of all, an edge meets that of the
-        window."""
+        kind, with a curvature that moves the place by little: most of all, an edge meets that of the window."""
         chain = self._chain(c, i, step, 3)
         if len(chain) < 3 or len({self.columns[a][b].low_kind for a, b in chain}) > 1:
             return False
@@ -122,7 +121,7 @@ class Slabs:
             return False
         slope = np.diff(y, axis=0) / np.diff(x)[:, None]
         off = np.abs(slope[1] - slope[0]) / x[2] * way * (way + x[1])
-        return bool((off <= self.tolerance * np.hypot(1, slope[0])).all())
+        return bool((off <= ONE_SIDED * self.tolerance * np.hypot(1, slope[0])).all())
 
     def _chain(self, c: int, i: int, step: int, count: int) -> list[Place]:
         """Return an interval and those before it, on the way to column c + step: ``count`` of them, or fewer if one is

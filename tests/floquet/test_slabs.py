@@ -63,12 +63,15 @@ def test_an_edge_of_two_regions_has_a_corner() -> None:
     assert found.place(2) == []
 
 
-@pytest.mark.parametrize("turns", [False, True])
-def test_an_end_is_foreseen_from_columns_of_one_region(turns: bool) -> None:
-    # the lower edge rises to the top of the window at Omega = 13.5
-    kinds = [Kind.COMPLEX] * 3 + [Kind.PLUS_ONE if turns else Kind.COMPLEX]
+@pytest.mark.parametrize(
+    ("last", "bend", "foreseen"),
+    [(Kind.COMPLEX, 0.0, True), (Kind.PLUS_ONE, 0.0, False), (Kind.COMPLEX, 0.0018, False)],
+)
+def test_an_end_is_foreseen_from_a_straight_edge_of_one_region(last: Kind, bend: float, foreseen: bool) -> None:
+    # the lower edge rises to the top of the window at Omega = 13.5; the bend moves that by half the tolerance
     columns: list[Column] = [[] for _ in OMEGA]
     for c in range(4):
-        columns[c] = [Interval(0.65 + 0.1 * c, 1.0, kinds[c], kinds[c])]
+        kind = last if c == 3 else Kind.COMPLEX
+        columns[c] = [Interval(0.65 + 0.1 * c - bend * (c == 1), 1.0, kind, kind)]
     found = slabs(columns, np.full((len(OMEGA), 2, 3), np.nan))
-    assert found.place(3) == ([13.5] if turns else [])
+    assert found.place(3) == ([] if foreseen else [13.5])
