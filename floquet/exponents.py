@@ -182,21 +182,16 @@ def leading(found: Exponents) -> tuple[FloatArray, FloatArray]:
     """Return f of the most unstable pair in every cell, (k,), and its mark, (k,): marks of one region differ little
     between neighbouring cells, those of two regions in general by more.
 
-    f is that of `test_function` for two modes of equal damping, but not negative. The mark is the angle, set apart
-    where the multipliers are real.
+    f is that of `test_function` if all modes decay alike: m (m + 2 delta) for the growth m and the mean decay delta,
+    which the pair keeps. The mark is the angle, set apart where the multipliers are real.
     """
     angle, modulus, split = found
     f, mark = np.zeros(len(angle)), np.zeros(len(angle))
     for c in range(len(angle)):
         first = int((modulus[c] + split[c]).argmax())
-        if split[c, first] > 0.0:
-            f[c] = max(split[c, first] ** 2 - modulus[c, first] ** 2, 0.0)
-            mark[c] = 2 * np.pi + 2 * angle[c, first]
-        else:
-            distance = np.abs(angle[c] - angle[c, first])
-            distance[first] = np.inf
-            f[c] = max(-modulus[c, first] * modulus[c, int(distance.argmin())], 0.0)
-            mark[c] = angle[c, first]
+        growth = modulus[c, first] + split[c, first]
+        f[c] = growth * (growth - 2 * modulus[c].mean())
+        mark[c] = 2 * np.pi + 2 * angle[c, first] if split[c, first] > 0.0 else angle[c, first]
     return f, mark
 
 

@@ -176,12 +176,13 @@ def test_the_edge_of_two_modes_of_unequal_damping_is_exact_where_f_is_a_parabola
 @pytest.mark.kernel
 def test_the_most_unstable_pair_leads() -> None:
     angle = np.array([[0.7, 2.0, 2.0], [np.pi, 2.0, 2.0], [0.0, 1.0, 2.0]])
-    modulus = np.array([[-0.01, 0.09, -0.11], [-0.01, 0.02, -0.04], [-0.01, -0.01, -0.01]])
+    modulus = np.array([[-0.01, 0.09, -0.11], [-0.01, -0.01, -0.01], [-0.01, 0.02, -0.04]])
     split = np.array([[0.0, 0.0, 0.0], [0.3, 0.0, 0.0], [0.1, 0.0, 0.0]])
-    found = Exponents(angle, modulus, split)
-    f, mark = leading(found)
-    assert f[0] == pytest.approx(test_function(Exponents(*(part[0] for part in found)), 2, 1, 0, -1, False))
-    assert f[1:] == pytest.approx([0.3**2 - 0.01**2, 0.1**2 - 0.01**2])
+    f, mark = leading(Exponents(angle, modulus, split))
+    for c, (p, q) in enumerate([(2, 1), (0, 0), (0, 0)]):
+        j, sign = (0, -1) if p != q else (c % 2, 1)
+        found = Exponents(*(part[c] for part in (angle, modulus, split)))
+        assert f[c] == pytest.approx(test_function(found, p, q, j, sign, False))
     # real multipliers, positive or negative, are told from a pair at any angle
     assert mark[0] == 2.0
     assert np.abs(np.diff(mark)).min() > 3
