@@ -49,7 +49,8 @@ def components(columns: Sequence[Column]) -> list[set[Place]]:
 
     def root(place: Place) -> Place:
         while parent[place] != place:
-            place = parent[place] = parent[parent[place]]
+            parent[place] = parent[parent[place]]
+            place = parent[place]
         return place
 
     for c in range(len(columns) - 1):

@@ -11,13 +11,15 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.optimize import brentq
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 from scipy.special import mathieu_a, mathieu_b
 
 from floquet import Kind, Region, StabilityChart, monodromy, stability_chart, trace_regions
 from floquet.monodromy import is_unstable
 from floquet.names import resonances
-from floquet.outline import Interval, Loop, area, components, loops
+from floquet.outline import Interval, Loop, area, components, links, loops
 from floquet.regions import _witness
 from floquet.scanning import Scan, _with_neighbours
 from floquet.slabs import Slabs
@@ -239,6 +241,22 @@ def test_wrong_arguments_are_named(changes: dict[str, Any], name: str) -> None:
     arguments = {"family": mathieu(), "Omega_range": (1.0, 2.0), "eps_range": (0.0, 1.0)} | changes
     with pytest.raises(ValueError, match=name):
         trace_regions(**arguments)
+
+
+def test_intervals_that_are_connected_are_one_component() -> None:
+    rng = np.random.default_rng(0)
+    for _ in range(200):
+        # columns of up to 6 intervals: trees with many branches
+        ends = [np.sort(rng.uniform(size=2 * rng.integers(1, 7))).reshape(-1, 2) for _ in range(12)]
+        columns = [[Interval(low, high, 2, 2) for low, high in column] for column in ends]
+        places = [(c, i) for c, column in enumerate(columns) for i in range(len(column))]
+        number = {place: n for n, place in enumerate(places)}
+        pairs = [(number[c, i], number[c + 1, k]) for c in range(11) for i, k in links(columns[c], columns[c + 1])]
+        rows, others = np.array(pairs).T
+        graph = coo_array((np.ones(len(rows)), (rows, others)), shape=(len(places), len(places)))
+        _, labels = connected_components(graph, directed=False)
+        wanted = {frozenset(places[n] for n in np.flatnonzero(labels == label)) for label in set(labels.tolist())}
+        assert {frozenset(one) for one in components(columns)} == wanted
 
 
 def test_an_annulus_has_two_outlines() -> None:
