@@ -273,10 +273,12 @@ def _region(
     narrowest: float,
 ) -> Region | None:
     """Return the region of connected intervals; None if it is too narrow, or not verified."""
-    if len({c for c, _ in places}) < 2:
+    met = {c for c, _ in places}
+    cut = not met.isdisjoint((0, len(columns) - 1))  # by an edge of the window: how wide it is beyond that is unknown
+    if len(met) < 2 and not cut:
         return None
     outlines = loops(Omega, columns, places, narrowest)
-    if largest_width(outlines, LEVELS) < narrowest:
+    if largest_width(outlines, LEVELS) < narrowest and not cut:
         return None
     c, i = max(places, key=lambda place: columns[place[0]][place[1]].high - columns[place[0]][place[1]].low)
     witness = (float(Omega[c]), (columns[c][i].low + columns[c][i].high) / 2)

@@ -46,10 +46,13 @@ class Slabs:
         # an interval without neighbours may be a region too narrow to be followed: one column close by decides
         ends = [i for i in range(len(self.columns[c])) if i not in left and not self._is_settled(c, i, 1)]
         begins = [k for k in range(len(self.columns[c + 1])) if k not in right and not self._is_settled(c + 1, k, -1)]
+        alone = all(self._is_alone(c + 1, k) for k in begins)
         if ends and all(self._is_alone(c, i) for i in ends) and not begins:
             return [self.Omega[c] + self.finest]
-        if ends or (begins and not all(self._is_alone(c + 1, k) for k in begins)):
+        if ends or (begins and not alone):
             return [(self.Omega[c] + self.Omega[c + 1]) / 2]
+        if begins and c + 2 == len(self.Omega):
+            return [self.Omega[c + 1] - self.finest]
         if len(set(left)) < len(left) or len(set(right)) < len(right) or self._bends(c):
             return [(self.Omega[c] + self.Omega[c + 1]) / 2]
         return self._gaps(c) or self._appearances(c)

@@ -211,6 +211,19 @@ def test_instability_without_excitation_is_listed_without_a_name() -> None:
     assert regions[0].contains([3.5, 5.0], 0.25).all()
 
 
+@pytest.mark.parametrize("side", [-1, 1])
+def test_a_region_that_only_touches_the_edge_of_the_window_is_not_lost(side: int) -> None:
+    # 2ω₁ comes in at eps = 0.4, by 3e-4 up to the top: half the tolerance
+    edge = edge_of_mathieu(1, "a" if side < 0 else "b", 0.4)
+    window = (1.2, edge) if side < 0 else (edge, 3.0)
+    (region,) = trace_regions(mathieu(), window, (0.0, 0.4005), progress=False)
+    assert region.contains(edge, 0.4003)
+    assert not region.contains(edge, 0.399)
+    assert region.tip == pytest.approx((edge, 0.4), abs=1e-4)
+    assert is_unstable(mathieu(), *region.witness)
+    assert np.abs(region.outlines[0].Omega - edge).max() < 1e-3 * (window[1] - window[0])
+
+
 def test_a_stable_window_has_no_regions() -> None:
     assert trace_regions(mathieu(damping=0.5), (1.5, 2.5), (0.0, 0.3), progress=False) == []
 
