@@ -26,7 +26,7 @@ FOOT = 0.5
 # Narrow regions are followed up to this many such distances.
 WIDE = 2.0
 # Regions that are nowhere wider than this part of the tolerance are left out.
-NARROWEST = 2e-4
+NARROWEST = 4e-4
 # A region that is no longer narrow at this part of the height of the window is left to the columns.
 SOON = 0.05
 # Amplitudes at which a resonance is compared with the wide regions, as parts of the height.
@@ -124,7 +124,7 @@ def trace_regions(
         The window, 0 < Omega and 0 <= eps.
     tolerance : float
         Largest distance between a polyline and the true edge, as part of the window's width and height. Regions that
-        are nowhere wider in Omega than a thousandth of this part of the window are left out.
+        are nowhere wider in Omega than 0.0004 of this part of the window are left out.
     n_jobs : int or None
         Workers, as in `stability_chart`.
     progress : bool or None
@@ -142,11 +142,11 @@ def trace_regions(
 
     Notes
     -----
-    Wide regions are what 128 columns of the window meet, and as many more as their edges need. Narrower ones, which
-    pass between the columns, are looked for at the resonances j Omega = omega_p ± omega_q, j <= 8, and followed from
-    there (`floquet.tongues`). A narrow region may be missed if it starts at none of these, or where it is crowded by
-    others; so may a stable gap between two regions that is narrower than the distance between the columns. Every region
-    has a witness.
+    Wide regions are what 128 columns of the window meet, and as many more as their edges, and stable gaps between them,
+    need. Narrower ones, which pass between the columns, are looked for at the resonances j Omega = omega_p ± omega_q,
+    j <= 8, and followed from there (`floquet.tongues`). A narrow region may be missed if it starts at none of these, or
+    where it is crowded by others; so may a stable gap that is narrower than the tolerance. Every region has a
+    witness.
     """
     low, high = interval("Omega_range", Omega_range)
     real_number("Omega_range[0]", low, positive=True)
