@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -49,37 +49,7 @@ def branches(tongues: Sequence[Tongue], wide: Sequence[Contains], window: tuple[
             if sides.shape[1] > 1:
                 parent = after if after >= 0 else before
                 found.append(Branch(tongue, _loop(tongue, sides, window), parent if parent >= 0 else None))
-        for sides, parent in _strips(np.array([eps, lower, upper]), home, wide):
-            found.append(Branch(tongue, _loop(tongue, sides, window), parent))
     return found
-
-
-def _strips(levels: FloatArray, home: NDArray[np.int_], wide: Sequence[Contains]) -> Iterator[tuple[FloatArray, int]]:
-    """Yield what sticks out of a wide region, on either side, where only the middle of a narrow one lies inside.
-
-    As amplitudes and edges (3, k), with the number of the wide region.
-    """
-    eps, lower, upper = levels
-    part = np.linspace(0, 1, CUTS + 1)[:, None]
-    for number in np.unique(home[home >= 0]):
-        at = np.flatnonzero(home == number)
-        for edge in (lower, upper):
-            way = edge[at] + part * ((lower[at] + upper[at]) / 2 - edge[at])
-            inside = wide[number](way, np.broadcast_to(eps[at], way.shape))
-            entry = way[inside.argmax(axis=0), np.arange(len(at))]
-            out = ~inside[0] & inside.any(axis=0)
-            for run in np.split(np.arange(len(at)), np.flatnonzero(np.diff(at) > 1) + 1):
-                sides = np.array([eps[at], np.minimum(edge[at], entry), np.maximum(edge[at], entry)])[:, run[out[run]]]
-                if not sides.shape[1]:
-                    continue
-                for free, end in ((at[run[0]] - 1, 0), (at[run[-1]] + 1, sides.shape[1])):
-                    if out[run[0 if end == 0 else -1]] and 0 <= free < len(eps) and home[free] < 0:
-                        corner = _cut(levels, free, free + (1 if end == 0 else -1), wide[number])
-                        middle = (corner[1] + corner[2]) / 2
-                        ends = (corner[1], middle) if edge is lower else (middle, corner[2])
-                        sides = np.insert(sides, end if end == 0 else sides.shape[1], [corner[0], *ends], axis=1)
-                if sides.shape[1] > 1:
-                    yield sides, int(number)
 
 
 def _levels(tongue: Tongue) -> FloatArray:

@@ -178,6 +178,24 @@ def test_function(found: Exponents, p: int, q: int, j: int, sign: int, conservat
 
 
 @njit(cache=True, nogil=True)
+def leading(found: Exponents) -> tuple[FloatArray, FloatArray]:
+    """Return f of the most unstable pair in every cell, (k,), and its mark, (k,): marks of one region differ little
+    between neighbouring cells, those of two regions in general by more.
+
+    f is that of `test_function` if all modes decay alike: m (m + 2 delta) for the growth m and the mean decay delta,
+    which the pair keeps. The mark is the angle, set apart where the multipliers are real.
+    """
+    angle, modulus, split = found
+    f, mark = np.zeros(len(angle)), np.zeros(len(angle))
+    for c in range(len(angle)):
+        first = int((modulus[c] + split[c]).argmax())
+        growth = modulus[c, first] + split[c, first]
+        f[c] = growth * (growth - 2 * modulus[c].mean())
+        mark[c] = 2 * np.pi + 2 * angle[c, first] if split[c, first] > 0.0 else angle[c, first]
+    return f, mark
+
+
+@njit(cache=True, nogil=True)
 def edge(found: Exponents, eps: FloatArray, outside: int, inside: int, further: int, conservative: bool) -> float:
     """Return where between two neighbouring amplitudes, ``outside`` and ``inside`` a region, its edge is.
 

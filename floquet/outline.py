@@ -49,7 +49,8 @@ def components(columns: Sequence[Column]) -> list[set[Place]]:
 
     def root(place: Place) -> Place:
         while parent[place] != place:
-            place = parent[place] = parent[parent[place]]
+            parent[place] = parent[parent[place]]
+            place = parent[place]
         return place
 
     for c in range(len(columns) - 1):
@@ -112,6 +113,8 @@ def loops(Omega: FloatArray, columns: Sequence[Column], places: set[Place], fine
                 inner = [a if step > 0 else b for a, b in _linked(columns, c, -step) if (b if step > 0 else a) == i]
                 if len(inner) == 1:
                     apex = _apex(Omega[[c - step, c, c + step]], columns[c - step][inner[0]][:2], columns[c][i][:2])
+                elif not 0 <= c - step < len(columns):  # what comes in from beyond the window ends before the next one
+                    apex = (Omega[[c, c + step]].mean(), sum(columns[c][i][:2]) / 2)
             if apex is None:
                 join((c, i, "low", 0), (c, i, "high", 0))
             else:

@@ -21,16 +21,18 @@ from periodic.checks import FloatArray, interval, one_of, real_array, real_numbe
 
 # Columns before any refinement. Regions narrower than the distance between them are looked for at their resonances.
 COLUMNS = 128
+# The resonances of regions that become wider than this part of the distance between the columns have a column each.
+FOOT = 0.5
 # Narrow regions are followed up to this many such distances.
 WIDE = 2.0
 # Regions that are nowhere wider than this part of the tolerance are left out.
-NARROWEST = 0.001
+NARROWEST = 4e-4
 # A region that is no longer narrow at this part of the height of the window is left to the columns.
 SOON = 0.05
 # Amplitudes at which a resonance is compared with the wide regions, as parts of the height.
 PROBES = np.array([1 / 64, 1 / 32, 1 / 16, *(np.arange(1, 9) / 8)])
 # No more resonances than these are followed: at low Omega and large eps there is no end of them.
-MOST = 200
+MOST = 400
 # A column at a resonance is placed no nearer to the others than this part of the window.
 APART = 1e-4
 # Levels at which the width of a region is measured.
@@ -122,7 +124,7 @@ def trace_regions(
         The window, 0 < Omega and 0 <= eps.
     tolerance : float
         Largest distance between a polyline and the true edge, as part of the window's width and height. Regions that
-        are nowhere wider in Omega than a thousandth of this part of the window are left out.
+        are nowhere wider in Omega than 0.0004 of this part of the window are left out.
     n_jobs : int or None
         Workers, as in `stability_chart`.
     progress : bool or None
@@ -140,11 +142,11 @@ def trace_regions(
 
     Notes
     -----
-    Wide regions are what 128 columns of the window meet, and as many more as their edges need. Narrower ones, which
-    pass between the columns, are looked for at the resonances j Omega = omega_p ± omega_q, j <= 8, and followed from
-    there (`floquet.tongues`). A narrow region may be missed if it starts at none of these, or where it is crowded by
-    others; so may a stable gap between two regions that is narrower than the distance between the columns. Every region
-    has a witness.
+    Wide regions are what 128 columns of the window meet, and as many more as their edges, and stable gaps between them,
+    need. Narrower ones, which pass between the columns, are looked for at the resonances j Omega = omega_p ± omega_q,
+    j <= 8, and followed from there (`floquet.tongues`). A narrow region may be missed if it starts at none of these, or
+    where it is crowded by others; so may a stable gap that is narrower than the tolerance. Every region has a
+    witness.
     """
     low, high = interval("Omega_range", Omega_range)
     real_number("Omega_range[0]", low, positive=True)
@@ -166,7 +168,7 @@ def trace_regions(
     base = np.linspace(low, high, COLUMNS + 1)
     spare = width / COLUMNS
     expected = candidates(member, [name for name in names if low - spare < name.centre < high + spare], top)
-    feet = [one.name.centre for one in expected if one.width > width / COLUMNS and one.name.j <= 2]
+    feet = [one.name.centre for one in expected if one.width > FOOT * width / COLUMNS and one.name.j <= 2]
     feet = [foot for foot in feet if low < foot < high]
     with tqdm(total=4, unit="stage", disable=None if progress is None else not progress) as bar:
         beside = [w for w in (low - spare, high + spare) if w > 0]  # where modes go on, for what starts outside
@@ -271,10 +273,12 @@ def _region(
     narrowest: float,
 ) -> Region | None:
     """Return the region of connected intervals; None if it is too narrow, or not verified."""
-    if len({c for c, _ in places}) < 2:
+    met = {c for c, _ in places}
+    cut = not met.isdisjoint((0, len(columns) - 1))  # by an edge of the window: how wide it is beyond that is unknown
+    if len(met) < 2 and not cut:
         return None
     outlines = loops(Omega, columns, places, narrowest)
-    if largest_width(outlines, LEVELS) < narrowest:
+    if largest_width(outlines, LEVELS) < narrowest and not cut:
         return None
     c, i = max(places, key=lambda place: columns[place[0]][place[1]].high - columns[place[0]][place[1]].low)
     witness = (float(Omega[c]), (columns[c][i].low + columns[c][i].high) / 2)

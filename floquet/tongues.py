@@ -36,6 +36,10 @@ A_TASK = 4
 TRIALS = 4
 # Levels in a row at which nothing may be known within a stretch: where one of the modes meets a third one in passing.
 GAP = 8
+# Levels beyond the upper end of a stretch at which a column is placed, if it may go on there.
+AHEAD = 4
+# The middle of a region is known to this part of the window, or a column is placed where it is known least.
+KNOWN = 1e-4
 # A column that is unstable by more than this many times what is expected is so by something else.
 MOST = 16.0
 # A node on one side only says where a region is that is this near to it, as part of the window.
@@ -74,6 +78,8 @@ class _Fit(NamedTuple):
     height: FloatArray
     measured: NDArray[np.bool_]
     inside: NDArray[np.intp]
+    likely: FloatArray
+    doubt: FloatArray
 
 
 def trace_tongues(
@@ -139,7 +145,8 @@ class _Follower:
         """Return the stretches of the region among the first ``levels``, from the level ``first`` on."""
         fit = self.fit(nodes, levels)
         for _ in range(TRIALS):
-            place = self._unmet(fit, nodes, first)
+            wanted = (way(fit, nodes, first) for way in (self._unmet, self._further, self._doubtful))
+            place = next((place for place in wanted if place is not None), None)
             if place is None:
                 break
             nodes = self._with(nodes, place)
@@ -159,6 +166,27 @@ class _Follower:
                 if fit.centre[top] not in nodes.Omega and self._witness(fit, nodes, start, last) is None:
                     return float(fit.centre[top])
         return None
+
+    def _further(self, fit: _Fit, nodes: Nodes, first: int) -> float | None:
+        """Return where to place a column to follow a stretch beyond its upper end; None if there is nowhere."""
+        likely = np.where(nodes.wide.at(np.nan_to_num(fit.likely)), np.nan, fit.likely)
+        for start, last in _stretches(fit.centre):
+            ahead = likely[last + 1 : last + 1 + AHEAD]
+            known = last > max(start, first) and len(ahead) == AHEAD and np.isfinite(ahead).all()
+            if known and self.window[0] <= ahead[-1] <= self.window[1] and ahead[-1] not in nodes.Omega:
+                return float(ahead[-1])
+        return None
+
+    def _doubtful(self, fit: _Fit, nodes: Nodes, first: int) -> float | None:
+        """Return where to place a column to know better where the region is; None if that is known everywhere."""
+        seen = (fit.centre >= self.window[0]) & (fit.centre <= self.window[1])
+        seen &= ~nodes.wide.at(np.nan_to_num(fit.centre))
+        seen[:first] = False
+        doubt = np.where(seen, fit.doubt, 0.0)
+        worst = int(doubt.argmax())
+        if doubt[worst] <= KNOWN * (self.window[1] - self.window[0]) or fit.centre[worst] in nodes.Omega:
+            return None
+        return float(fit.centre[worst])
 
     def _witness(self, fit: _Fit, nodes: Nodes, start: int, last: int) -> tuple[float, float, bool] | None:
         """Return a point inside a stretch that a column meets: at a level, or else between two; None if none does.
@@ -181,6 +209,9 @@ class _Follower:
         crossed = fits[:, 1:] & fits[:, :-1] & (sides[:, 1:] != sides[:, :-1]) & (known[1:] | known[:-1])
         if not crossed.any():
             return None
+        beside = np.pad(fits, ((0, 0), (1, 1)))
+        well = crossed & beside[:, :-3] & beside[:, 3:]  # next to a third one modes are bent
+        crossed = well if well.any() else crossed
         level = int(np.flatnonzero(crossed.any(axis=0))[-1])
         column = int(crossed[:, level].argmax())
         some = np.arange(max(start + level - 1, 0), min(start + level + 3, len(self.eps)))
@@ -217,7 +248,7 @@ class _Follower:
         height, exact = self.free + self.expected, self.candidate.balance < BALANCED
         limits = (self.free + MOST * self.expected, self.candidate.name.centre, self.slope, self.close)
         for _ in range(PASSES):
-            centre, square, f, room, inside, measured = middles(*nodes[:3], exact, height, *limits)
+            centre, square, f, room, inside, measured, likely, doubt = middles(*nodes[:3], exact, height, *limits)
             centre[levels:] = np.nan
             known = np.flatnonzero(measured & np.isfinite(centre) & (f > self.free))
             if not len(known):
@@ -227,7 +258,7 @@ class _Follower:
             part = np.minimum((self.eps / np.maximum(self.eps[known[above]], TINY)) ** 2, 1.0)
             height = self.free + self.expected * ratio[above] ** part
         height = np.minimum(height, room)
-        return _Fit(centre, square, height, measured, np.where(np.isfinite(centre), inside, -1))
+        return _Fit(centre, square, height, measured, np.where(np.isfinite(centre), inside, -1), likely, doubt)
 
     def _outline(self, fit: _Fit, nodes: Nodes, start: int, last: int) -> Tongue | None:
         """Return a stretch of the region; None if no column meets it."""

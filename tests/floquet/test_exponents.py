@@ -10,7 +10,7 @@ from scipy.special import mathieu_a, mathieu_b
 from floquet import monodromy
 from floquet.column import least_frequency, log2_steps, multipliers
 from floquet.coordinates import blocks, equations
-from floquet.exponents import Exponents, edge, follow, modes, modes_symplectic, test_function
+from floquet.exponents import Exponents, edge, follow, leading, modes, modes_symplectic, test_function
 from floquet.sampling import Sampler, Workspace
 from periodic.examples import mathieu
 
@@ -171,3 +171,19 @@ def test_the_edge_of_two_modes_of_unequal_damping_is_exact_where_f_is_a_parabola
     inside = int(np.flatnonzero(found.modulus.max(axis=1) > 0)[0])
     exact = np.sqrt(d1 * d2 * (1 + (2 * s / (d1 + d2)) ** 2))
     assert edge(found, eps, inside - 1, inside, inside + 1, False) == pytest.approx(exact, abs=1e-9)
+
+
+@pytest.mark.kernel
+def test_the_most_unstable_pair_leads() -> None:
+    angle = np.array([[0.7, 2.0, 2.0], [np.pi, 2.0, 2.0], [0.0, 1.0, 2.0]])
+    modulus = np.array([[-0.01, 0.09, -0.11], [-0.01, -0.01, -0.01], [-0.01, 0.02, -0.04]])
+    split = np.array([[0.0, 0.0, 0.0], [0.3, 0.0, 0.0], [0.1, 0.0, 0.0]])
+    f, mark = leading(Exponents(angle, modulus, split))
+    for c, (p, q) in enumerate([(2, 1), (0, 0), (0, 0)]):
+        j, sign = (0, -1) if p != q else (c % 2, 1)
+        found = Exponents(*(part[c] for part in (angle, modulus, split)))
+        assert f[c] == pytest.approx(test_function(found, p, q, j, sign, False))
+    # real multipliers, positive or negative, are told from a pair at any angle
+    assert mark[0] == 2.0
+    assert np.abs(np.diff(mark)).min() > 3
+    assert mark[1:].min() > np.pi

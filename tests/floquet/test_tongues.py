@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import brentq
 from scipy.special import mathieu_a, mathieu_b
 
-from floquet import Kind, monodromy, trace_boundary
+from floquet import Kind, monodromy, stability_chart, trace_boundary
 from floquet.column import Spectra, multipliers
 from floquet.coupling import candidates
 from floquet.names import resonances
@@ -19,7 +19,7 @@ from floquet.tongues import Tongue, _Follower, trace_tongues
 from periodic import SystemFamily
 from periodic.checks import FloatArray
 from periodic.examples import coupled_mathieu, mathieu
-from plate import MovingPlate
+from plate import EdgeLoad, MovingPlate
 
 
 def stretches_of(family: SystemFamily, Omega: tuple[float, float], eps: tuple[float, float]) -> list[Tongue]:
@@ -165,3 +165,42 @@ def test_a_region_that_passes_a_column_between_two_levels_needs_no_other(monkeyp
     )
     # a cubic through columns 0.0125 apart
     assert (tongue.lower[-1] + tongue.upper[-1]) / 2 == pytest.approx(sum(edges) / 2, abs=1e-5)
+
+
+def stretches_of_one(plate: MovingPlate, wanted: tuple[int, int, int]) -> list[Tongue]:
+    """The stretches of one region (p, q, j), from columns as far apart as those of `trace_regions`."""
+    scan = Scan(plate, (5.0, 90.0), np.linspace(0.0, 1.0, 80), 1)
+    scan.add(np.linspace(5.0, 90.0, 129))
+    member = plate.at(47.5)
+    some = candidates(member, [name for name in resonances(member, 5.0, 90.0) if name[:3] == wanted], 1.0)
+    return trace_tongues(plate, some, scan, (0.0, 1.0), 1.0, 1)
+
+
+def test_a_region_is_followed_beside_a_wide_one_that_is_on_one_side() -> None:
+    # (ω₄+ω₁₁)/2 runs along the edge of 2ω₄: from eps = 0.43 on, the columns to the left of it lie in that
+    plate = MovingPlate(inplane="static")
+    (stretch,) = stretches_of_one(plate, (11, 4, 2))
+    assert stretch.eps[-1] > 0.46
+    # within a tenth of the tolerance that regions have in this window, 0.085
+    chart = stability_chart(plate, np.linspace(81.5, 82.0, 501), [0.3, 0.44, 0.46], progress=False, audit=0)
+    for eps, kind in zip(chart.eps, chart.kind, strict=True):
+        middle = (np.interp(eps, stretch.eps, stretch.lower) + np.interp(eps, stretch.eps, stretch.upper)) / 2
+        assert np.abs(chart.Omega[kind == Kind.COMPLEX] - middle).min() < 0.0085
+
+
+def test_a_witness_is_where_its_modes_are_free() -> None:
+    # at eps = 0.9, a level before modes are unstable with a third one, a column passes through what looks like a region
+    plate = MovingPlate(inplane="static", load=EdgeLoad.partial(0.5))
+    (stretch,) = stretches_of_one(plate, (12, 1, 3))
+    assert stretch.sure
+    assert monodromy(plate, *stretch.witness).kind == Kind.COMPLEX
+
+
+def test_a_region_that_bends_is_measured_where_it_is_known_least() -> None:
+    # from eps = 0.8 on, (ω₁+ω₃)/3 has a wide region on its right, and columns beyond that are far away
+    plate = MovingPlate(inplane="static")
+    stretch = stretches_of_one(plate, (3, 1, 3))[0]
+    chart = stability_chart(plate, np.linspace(14.3, 15.0, 701), [0.86, 0.91], progress=False, audit=0)
+    for eps, kind in zip(chart.eps, chart.kind, strict=True):
+        middle = (np.interp(eps, stretch.eps, stretch.lower) + np.interp(eps, stretch.eps, stretch.upper)) / 2
+        assert np.abs(chart.Omega[kind == Kind.COMPLEX] - middle).min() < 0.017
