@@ -118,6 +118,9 @@ class Namer:
     def _start(self, outlines: Sequence[Loop], c: int, i: int) -> Name | None:
         """Return the resonance below the foot of a region in interval ``i`` of column ``c``; None if there is none."""
         foot, Omega = self.columns[c][i], float(self.Omega[c])
+        beside = [interval for column in self.columns[max(c - 1, 0) : c + 2] for interval in column]
+        if sum(interval.low == 0.0 for interval in beside) > 1:
+            return None  # not at one frequency: unstable without excitation
         height = foot.high - foot.low
         level = foot.low + min(max(LEVEL * height, LEVER * foot.low), height / 2)
         ends = crossings(outlines, level)

@@ -115,20 +115,21 @@ def _first_columns(H: FloatArray, work: FloatArray, start: int, stop: int) -> No
     windows begin in the same row, and most end in one of a few.
     """
     lo, hi, zero, one = load(work, 0, LO), load(work, 0, HI), spread(0.0), spread(1.0)
-    a, b, ab = zero, zero, zero
+    a, b, ab, size = zero, zero, zero, zero
     for k in range(int(-highest(-pick_le(zero, hi, hi, spread(float(stop))))), stop + 1):
         here = spread(float(k))
         a, b = pick_le(here, hi, load(H, k, k), a), pick_le(here, hi, load(H, k - 1, k - 1), b)
         ab = pick_le(here, hi, load(H, k, k - 1) * load(H, k - 1, k), ab)
+        size = pick_le(here, hi, magnitude(load(H, k, k - 1)) + magnitude(load(H, k - 1, k - 2)), size)
     h11, h12, h21, h22, h32 = zero, zero, one, zero, zero
     for k in range(start, int(highest(pick_le(zero, hi, lo, zero))) + 1):
         here = spread(float(k))
         h11, h12 = pick_le(here, lo, load(H, k, k), h11), pick_le(here, lo, load(H, k, k + 1), h12)
         h21, h22 = pick_le(here, lo, load(H, k + 1, k), h21), pick_le(here, lo, load(H, k + 1, k + 1), h22)
         h32 = pick_le(here, lo, load(H, k + 2, k + 1), h32)
-    # LAPACK's exceptional shift, where sweeps are in vain
-    size, idle, most = magnitude(h21) + magnitude(h32), load(work, 0, IDLE), spread(float(EXCEPTIONAL))
-    odd = h11 + spread(0.75) * size
+    # LAPACK's exceptional shift from the last rows, where sweeps are in vain
+    idle, most = load(work, 0, IDLE), spread(float(EXCEPTIONAL))
+    odd = a + spread(0.75) * size
     a, b = pick_le(most, idle, odd, a) - h11, pick_le(most, idle, odd, b) - h11
     ab = pick_le(most, idle, spread(-0.4375) * size * size, ab)
     store(work, 0, X, (a * b - ab) / pick_le(zero, hi, h21, one) + h12)

@@ -217,7 +217,8 @@ class _Follower:
         some = np.arange(max(start + level - 1, 0), min(start + level + 3, len(self.eps)))
         if not (np.isfinite(nodes.f[column, some]).all() and (np.diff(nodes.apart[column, some]) != 0).all()):
             some = start + level + np.array([0, 1])
-        return float(nodes.Omega[column]), _root(self.eps[some], nodes.apart[column, some]), False
+        root = _root(self.eps[some], nodes.apart[column, some])
+        return float(nodes.Omega[column]), float(np.clip(root, *self.eps[start + level + np.array([0, 1])])), False
 
     def _with(self, nodes: Nodes, Omega: float) -> Nodes:
         """Return the nodes with a new column."""

@@ -86,6 +86,22 @@ def test_awkward_matrices_share_a_group():
         assert distance(mu, np.linalg.eigvals(matrix)) < 1e-12
 
 
+def twins(rng):
+    """Two pairs of eigenvalues 0 and 2, weakly coupled: ordinary shifts are one of each, and get nowhere."""
+    turns = [sla.expm(angle * np.array([[0.0, 1.0], [-1.0, 0.0]])) for angle in rng.uniform(0, np.pi, 2)]
+    pairs = sla.block_diag(*(turn @ np.diag([0.0, 2.0]) @ turn.T for turn in turns))
+    coupling = 10.0 ** -rng.integers(5, 9) * rng.standard_normal((4, 4))
+    return 10.0 ** -rng.integers(0, 13) * np.triu(pairs + coupling, -1)
+
+
+def test_sweeps_in_vain_are_noticed():
+    rng = np.random.default_rng(0)
+    for _ in range(40):
+        matrices = np.array([twins(rng) for _ in range(WIDTH)])
+        for matrix, mu in zip(matrices, lanes(matrices), strict=True):
+            assert distance(mu, np.linalg.eigvals(matrix)) < 1e-7 * np.linalg.norm(matrix)  # nearly double
+
+
 def test_defective_matrix():
     n = 5
     jordan = np.eye(n, k=1) + 0.5 * np.eye(n)
