@@ -211,6 +211,22 @@ def test_instability_without_excitation_is_listed_without_a_name() -> None:
     assert regions[0].contains([3.5, 5.0], 0.25).all()
 
 
+def test_growth_without_excitation_is_no_resonance_although_one_is_near() -> None:
+    zero = np.zeros((2, 2))
+    system = PeriodicSystem(np.eye(2), zero, np.diag([0.1, -0.05]), np.diag([1.0, 4.0]), [[[1.0, 0.5], [0.5, 1.0]]])
+    (region,) = trace_regions(system, (0.5, 5.0), (0.0, 1.0), progress=False)
+    assert not region.explained
+
+
+def test_outlines_stay_in_their_window() -> None:
+    for region in trace_regions(MovingPlate(), (5.0, 90.0), (0.0, 1.5), progress=False):
+        for outline in region.outlines:
+            assert outline.Omega.min() >= 5.0
+            assert outline.Omega.max() <= 90.0
+            assert outline.eps.min() >= 0.0
+            assert outline.eps.max() <= 1.5
+
+
 @pytest.mark.parametrize("side", [-1, 1])
 def test_a_region_that_only_touches_the_edge_of_the_window_is_not_lost(side: int) -> None:
     # 2ω₁ comes in at eps = 0.4, by 3e-4 up to the top: half the tolerance
