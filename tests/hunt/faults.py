@@ -306,8 +306,8 @@ FAULTS = (
     Fault(
         "factors in the wrong order",
         "floquet/doubling.py",
-        "np.dot(P[end], P[begin], result[i])",
-        "np.dot(P[begin], P[end], result[i])",
+        "multiply(P, begin, end, result, i)",
+        "multiply(P, end, begin, result, i)",
         DOUBLING,
         True,
     ),
