@@ -252,10 +252,11 @@ def _apex(Omega: FloatArray, wider: tuple[float, float], last: tuple[float, floa
         return None
     part = min((last[1] - last[0]) / closing, abs((Omega[2] - Omega[1]) / (Omega[1] - Omega[0])))
     low, high = (b + part * (b - a) for a, b in zip(wider, last, strict=True))
-    middle = (low + high) / 2
-    if not min(wider[0], last[0]) <= middle <= max(wider[1], last[1]):
+    middle, least, most = (low + high) / 2, min(wider[0], last[0]), max(wider[1], last[1])
+    rounding = 1e-9 * (most - least)  # where one edge is that of the window, they meet on it
+    if not least - rounding <= middle <= most + rounding:
         return None
-    return float(Omega[1] + part * (Omega[1] - Omega[0])), middle
+    return float(Omega[1] + part * (Omega[1] - Omega[0])), min(max(middle, least), most)
 
 
 def _walk(neighbours: dict[Corner, list[Corner]]) -> list[list[Corner]]:

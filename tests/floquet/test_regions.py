@@ -19,7 +19,7 @@ from scipy.special import mathieu_a, mathieu_b
 from floquet import Kind, Region, StabilityChart, monodromy, stability_chart, trace_regions
 from floquet.monodromy import is_unstable
 from floquet.names import resonances
-from floquet.outline import Interval, Loop, area, components, links, loops
+from floquet.outline import Interval, Loop, _apex, area, components, links, loops
 from floquet.regions import _witness
 from floquet.scanning import Scan, _with_neighbours
 from floquet.slabs import Slabs
@@ -414,3 +414,13 @@ def test_a_point_is_unstable_for_regions_where_it_is_for_monodromy(seed: int, n:
     found = monodromy(system, Omega, eps)
     assume(found.kind != Kind.UNDECIDED and abs(found.growth_rate) * 2 * np.pi / Omega > 1e-6)
     assert is_unstable(system, Omega, eps) == (found.kind > Kind.STABLE)
+
+
+def test_edges_that_meet_on_that_of_the_window_meet_although_rounding_puts_them_beyond() -> None:
+    for lower, part, top in np.random.default_rng(0).random((200, 3)):
+        first, second = 0.5 * lower * top, (0.5 * lower + 0.4 * part) * top
+        place = _apex(np.array([1.0, 1.1, 100.0]), (first, top), (second, top))
+        assert place is not None
+        assert place[0] == pytest.approx(1.1 + 0.1 * (top - second) / (second - first))
+        assert place[1] == pytest.approx(top)
+        assert place[1] <= top
