@@ -37,9 +37,9 @@ from periodic.checks import FloatArray
 # Error of interpolation on a grid, if the bound on growth were attained. It never is: with this value the errors
 # measured are a few 1e-13 of the norm, which is rounding.
 TOLERANCE = 1e-10
-# Error of interpolation between chosen samples, relative to the largest value: not much above rounding errors, since
+# Error of interpolation between chosen samples, relative to the largest value, as part of the tolerance, and at least:
 # these functions do attain the bound, and an error in one of B parts of a period counts B times.
-CHOSEN = 1e-14
+CHOSEN, LEAST_CHOSEN = 1e-4, 1e-14
 # Samples at different phases may differ in size by the exponential of twice this; interpolating between more than that
 # would lose the small ones to the rounding of the large.
 MOST_GROWTH = 3.0
@@ -159,7 +159,7 @@ def schedule(
             phases, nodes = step.phases, step.eps[: step.nodes]
             grid.append(True)
         else:
-            step = _scattered(theta, eps, np.array(x) / B, B)
+            step = _scattered(theta, eps, np.array(x) / B, B, tolerance)
             grid.append(False)
         theta, eps = step.theta, step.eps
         steps.append(step)
@@ -200,10 +200,10 @@ def _grid(phases: int, nodes: FloatArray, x: tuple[float, ...], across: float, B
     return _Doubling(theta, np.tile(nodes, p), p, m, k, to_groups, to_others, pairs, watched=p == B)
 
 
-def _scattered(theta: FloatArray, eps: FloatArray, x: FloatArray, B: int) -> _Doubling:
+def _scattered(theta: FloatArray, eps: FloatArray, x: FloatArray, B: int, tolerance: float) -> _Doubling:
     """Return the doubling that ends with products at the points (theta, eps), and begins with the fewest samples."""
     theta, eps = np.concatenate([theta, theta + 2 * np.pi / B]), np.tile(eps, 2)
-    order, weights = _skeleton(theta, eps, x)
+    order, weights = _skeleton(theta, eps, x, max(CHOSEN * tolerance, LEAST_CHOSEN))
     chosen = order[: weights.shape[1]]
     return _Doubling(
         theta[chosen],
@@ -218,15 +218,15 @@ def _scattered(theta: FloatArray, eps: FloatArray, x: FloatArray, B: int) -> _Do
     )
 
 
-def _skeleton(theta: FloatArray, eps: FloatArray, x: FloatArray) -> tuple[NDArray[Any], FloatArray]:
+def _skeleton(theta: FloatArray, eps: FloatArray, x: FloatArray, error: float) -> tuple[NDArray[Any], FloatArray]:
     """Return an order of the points (theta, eps), first those to be sampled, and the weights (others, sampled) by which
-    the others follow."""
+    the others follow, relative to the largest value up to ``error``."""
     count = min(FUNCTIONS, 2 * len(theta) + 8)
     while True:
         values = _functions(theta, eps, x, count // 2)
         R, order = sla.qr(values.T, mode="r", pivoting=True, check_finite=False)
         sizes = np.abs(np.diag(R))
-        k = max(int((sizes > CHOSEN * sizes[0]).sum()), 1)
+        k = max(int((sizes > error * sizes[0]).sum()), 1)
         if count >= SURPLUS * k or count >= SURPLUS * len(theta):
             break
         count *= 2
