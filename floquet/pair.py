@@ -10,6 +10,7 @@ import scipy.linalg as sla
 from numpy.typing import NDArray
 
 from floquet.monodromy import period_map, propagate, steps_of_period
+from floquet.multipliers import eigensystem
 from floquet.reduction import Reduction, modulation, reduce_system
 from floquet.resonance import Resonance
 from periodic import PeriodicSystem, SystemFamily
@@ -82,7 +83,7 @@ class Pair:
         else:
             Phi = propagate(block, Omega, eps, steps_of_period(block, Omega), TOLERANCE, np.eye(len(block.from_q)))
             error = np.nan
-        mu, left, right = sla.eig(Phi, left=True, right=True)  # type: ignore[misc]  # the stubs know two results only
+        mu, left, right = eigensystem(Phi)
         span, _ = np.linalg.qr(block.from_q @ reference)
         both = self._choose(mu, span.conj().T @ right, 2 * np.pi / Omega)
         with np.errstate(divide="ignore"):

@@ -225,3 +225,11 @@ def test_two_equal_oscillators_are_not_undecided():
     twice = PeriodicSystem(*[np.kron(np.eye(2), S) for S in arrays])
     for Omega, kind in ((2.0, Kind.MINUS_ONE), (3.0, Kind.STABLE)):
         assert monodromy(twice, Omega, 0.2).kind == kind
+
+
+@pytest.mark.parametrize("size", [2.0**470, 2.0**490])
+def test_large_matrices(size):
+    # grows by 1e140 and more in a period, as monodromy allows
+    Phi = np.random.default_rng(0).standard_normal((12, 12))
+    found = spectrum(size * Phi, 0.0, reciprocal=False)
+    assert found.log_modulus == pytest.approx(np.log(np.abs(np.linalg.eigvals(Phi)).max()) + np.log(size), rel=1e-13)
