@@ -123,7 +123,7 @@ def eigensystem(Phi: FloatArray) -> tuple[ComplexArray, ComplexArray, ComplexArr
     wanted as well, it returned eigenvalues that were too small, by a factor of 500 and more.
     """
     scale = 2.0 ** np.floor(np.log2(max(float(np.abs(Phi).max()), 1.0)))
-    mu, left, right = sla.eig(Phi / scale, left=True, right=True)  # type: ignore[misc]  # the stubs know two results
+    mu, left, right = sla.eig(Phi / scale, left=True, right=True)
     return scale * mu, left, right
 
 
