@@ -55,7 +55,7 @@ The exit status is 0 if every point was decided, 1 if one was not, 2 if the inpu
 
 
 def main(arguments: list[str] | None = None) -> int:
-    running.speak_any_encoding()
+    running.steady_output()
     options = _parser().parse_args(arguments)
     try:
         from floquet.certified import Verdict, certified_growth

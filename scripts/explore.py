@@ -66,7 +66,7 @@ class Subject:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    running.speak_any_encoding()
+    running.steady_output()
     options = _parser().parse_args(arguments)
     try:
         _check(options)

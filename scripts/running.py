@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Callable
 from contextlib import suppress
 from io import TextIOWrapper
 from pathlib import Path
+from typing import Any, TextIO, cast
 
 from compare.cluster import workers_at
 from floquet.checkpoint import BlockStore
@@ -21,11 +23,36 @@ the same to the last bit. Traced boundaries are not kept but computed anew.
 """
 
 
-def speak_any_encoding() -> None:
-    """Let a terminal, file or pipe that has no Greek letters get question marks instead of an error."""
+class _Steady:
+    """A stream that goes on into nothing once nobody reads it any more, such as after `| head`: the work goes on."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def write(self, text: str) -> int:
+        return self._kept(lambda: self._stream.write(text)) or 0
+
+    def flush(self) -> None:
+        self._kept(self._stream.flush)
+
+    def _kept(self, output: Callable[[], Any]) -> Any:
+        try:
+            return output()
+        except BrokenPipeError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), self._stream.fileno())
+            return None
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+
+def steady_output() -> None:
+    """Let nothing that becomes of the output stop the work: that it has no Greek letters, or that nobody reads it."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="replace")
+    if isinstance(sys.stdout, TextIOWrapper):
+        sys.stdout = cast(TextIO, _Steady(sys.stdout))
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

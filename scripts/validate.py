@@ -39,7 +39,7 @@ A claim of the paper that is contradicted, with counter-examples that integratio
 
 
 def main(arguments: list[str] | None = None) -> int:
-    running.speak_any_encoding()
+    running.steady_output()
     options = _parser().parse_args(arguments)
     try:
         subjects = _subjects(options)

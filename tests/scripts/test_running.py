@@ -178,6 +178,18 @@ def test_a_terminal_without_greek_letters_is_no_obstacle(home: Path, tmp_path: P
     assert "pair.npz" in done.stdout
 
 
+def test_results_are_written_although_nobody_reads_the_output(home: Path, tmp_path: Path) -> None:
+    # as with `| head -1`
+    command = [sys.executable, "-c", "import sys; from floquet_scripts import explore; sys.exit(explore.main())"]
+    arguments = ["--system", str(home / "pair.npz"), "--points", "8", "4", "--no-progress", "--output", str(tmp_path)]
+    reading, writing = os.pipe()
+    os.close(reading)
+    done = subprocess.run([*command, *arguments], stdout=writing, stderr=subprocess.PIPE, text=True)
+    os.close(writing)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert (tmp_path / "pair.npz").exists()
+
+
 def test_a_folder_that_cannot_be_written_to_is_refused_at_once(
     home: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
