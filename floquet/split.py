@@ -10,6 +10,8 @@ from periodic.checks import FloatArray
 
 # Couplings below this part of the norm of their matrix are rounding: the eigenvectors below are good to about 1e-13.
 COUPLING = 1e-11
+# Two eigenvalues of one random combination may be so close by chance that their vectors mix; of two hardly.
+COMBINATIONS = 2
 
 
 def independent_blocks(matrices: FloatArray) -> list[FloatArray]:
@@ -28,8 +30,11 @@ def independent_blocks(matrices: FloatArray) -> list[FloatArray]:
     symmetric = (scaled + scaled.transpose(0, 2, 1)) / 2
     skew = (scaled - scaled.transpose(0, 2, 1)) / 2
     candidates = np.concatenate([symmetric, skew.transpose(0, 2, 1) @ skew])
-    weights = np.random.default_rng(0).uniform(0.5, 1.5, len(candidates))
-    _, X = sla.eigh(np.tensordot(weights, candidates, 1))
-    coupled = (np.abs(X.T @ scaled @ X) > COUPLING).any(axis=0)
-    count, label = connected_components(coupled, directed=False)
-    return [np.ascontiguousarray(X[:, label == i]) for i in range(count)]
+    found: list[FloatArray] = []
+    for weights in np.random.default_rng(0).uniform(0.5, 1.5, (COMBINATIONS, len(candidates))):
+        _, X = sla.eigh(np.tensordot(weights, candidates, 1))
+        coupled = (np.abs(X.T @ scaled @ X) > COUPLING).any(axis=0)
+        count, label = connected_components(coupled, directed=False)
+        if count > len(found):
+            found = [np.ascontiguousarray(X[:, label == i]) for i in range(count)]
+    return found
