@@ -48,23 +48,23 @@ def middles(Omega, f, apart, exact, height, most, centre, slope, close):  # type
     room = np.full(levels, np.inf)
     likely, doubt = np.full(levels, np.nan), np.zeros(levels)
     inside, measured = np.full(levels, -1), np.zeros(levels, np.bool_)
-    x, chosen = np.empty(count), np.empty(count, np.intp)
+    at, x = np.empty(count), np.empty(count)
     last = centre
     for k in range(levels):
         high = height[k]
-        known = _measures(Omega, f[:, k], apart[:, k], exact, high, centre, x, chosen)
-        place[k], steepness, doubt[k] = _between(Omega, chosen, x, known, slope, last)
+        known = _measures(Omega, f[:, k], apart[:, k], exact, high, centre, at, x)
+        place[k], steepness, doubt[k] = _between(at, x, known, slope, last)
         if steepness == 0.0 and not exact:  # too steep for a region that high?
             high = _highest(Omega, f[:, k], apart[:, k], high, centre, slope)
-            known = _measures(Omega, f[:, k], apart[:, k], exact, high, centre, x, chosen)
-            place[k], steepness, doubt[k] = _between(Omega, chosen, x, known, slope, last)
+            known = _measures(Omega, f[:, k], apart[:, k], exact, high, centre, at, x)
+            place[k], steepness, doubt[k] = _between(at, x, known, slope, last)
         if steepness == 0.0:  # known on one side only, but close
             for a in range(known):
                 way = -x[a] / slope
-                if abs(way) < close and (steepness == 0.0 or abs(way) < abs(place[k] - Omega[chosen[a]])):
-                    place[k], steepness = Omega[chosen[a]] + way, slope
+                if abs(way) < close and (steepness == 0.0 or abs(way) < abs(place[k] - at[a])):
+                    place[k], steepness = at[a] + way, slope
         if steepness == 0.0:
-            likely[k] = _straight_on(Omega, chosen, x, known, slope)
+            likely[k] = _straight_on(at, x, known, slope)
             continue
         last = place[k]
         nearest = -1
@@ -84,8 +84,8 @@ def middles(Omega, f, apart, exact, height, most, centre, slope, close):  # type
 
 
 @njit(cache=True, nogil=True)
-def _measures(Omega, f, apart, exact, height, centre, x, chosen):  # type: ignore[no-untyped-def]
-    """Set x at the nodes where it is known, and which these are; return how many."""
+def _measures(Omega, f, apart, exact, height, centre, at, x):  # type: ignore[no-untyped-def]
+    """Set x, and the place of the node, where it is known; return at how many nodes."""
     known = 0
     for c in range(f.size):
         if np.isnan(f[c]) or abs(Omega[c] - centre) <= SAME * centre:
@@ -93,21 +93,21 @@ def _measures(Omega, f, apart, exact, height, centre, x, chosen):  # type: ignor
         if exact or (apart[c] != 0.0 and f[c] < height):
             off = apart[c] / 2 if exact else np.sqrt(height - f[c])
             x[known] = np.copysign(Omega[c] * off, apart[c])
-            chosen[known] = c
+            at[known] = Omega[c]
             known += 1
     return known
 
 
 @njit(cache=True, nogil=True)
-def _between(Omega, chosen, x, known, slope, last):  # type: ignore[no-untyped-def]
+def _between(at, x, known, slope, last):  # type: ignore[no-untyped-def]
     """Return where x is zero between two of the ``known`` nodes, nearest to ``last``, how x falls there, 0 if there is
     no such place, and by how much the place may be off."""
     place, steepness, doubt = np.nan, 0.0, 0.0
     for a in range(known - 1):
         if x[a] >= 0.0 and x[a + 1] < 0.0:
-            rate = (x[a + 1] - x[a]) / (Omega[chosen[a + 1]] - Omega[chosen[a]])
+            rate = (x[a + 1] - x[a]) / (at[a + 1] - at[a])
             if slope * STEEPNESS < rate < slope / STEEPNESS:
-                found, off = _zero(Omega, chosen, x, known, a, rate)
+                found, off = _zero(at, x, known, a, rate)
                 if steepness == 0.0 or abs(found - last) < abs(place - last):
                     place, steepness, doubt = found, rate, off
     return place, steepness, doubt
@@ -131,10 +131,10 @@ def _highest(Omega, f, apart, height, centre, slope):  # type: ignore[no-untyped
 
 
 @njit(cache=True, nogil=True)
-def _straight_on(Omega, chosen, x, known, slope):  # type: ignore[no-untyped-def]
+def _straight_on(at, x, known, slope):  # type: ignore[no-untyped-def]
     """Return where x is zero beyond two of the ``known`` nodes, no further than they are apart; NaN if nowhere."""
     for a in range(known - 1):
-        first, second = Omega[chosen[a]], Omega[chosen[a + 1]]
+        first, second = at[a], at[a + 1]
         rate = (x[a + 1] - x[a]) / (second - first)
         if slope * STEEPNESS < rate < slope / STEEPNESS:
             found = first - x[a] / rate
@@ -144,34 +144,34 @@ def _straight_on(Omega, chosen, x, known, slope):  # type: ignore[no-untyped-def
 
 
 @njit(cache=True, nogil=True)
-def _zero(Omega, chosen, x, known, a, rate):  # type: ignore[no-untyped-def]
+def _zero(at, x, known, a, rate):  # type: ignore[no-untyped-def]
     """Return where x is zero between nodes a and a + 1 of the ``known`` ones, and how much it depends on the others."""
     begin, end = a, a + 2
     for step in (-1, 1):  # one more on each side, if it is no stranger
         b = a - 1 if step < 0 else a + 2
         if 0 <= b < known:
             c = a if step < 0 else a + 1
-            beside = (x[b] - x[c]) / (Omega[chosen[b]] - Omega[chosen[c]])
+            beside = (x[b] - x[c]) / (at[b] - at[c])
             if rate * STEEPNESS < beside < rate / STEEPNESS:
                 begin, end = min(begin, b), max(end, b + 1)
-    first, second = Omega[chosen[a]], Omega[chosen[a + 1]]
-    found, straight = _root(Omega, chosen, x, begin, end), first - x[a] / rate
+    first, second = at[a], at[a + 1]
+    found, straight = root(at[begin:end], x[begin:end]), first - x[a] / rate
     if not first <= found <= second:
         return straight, second - first
     left, right = a, a + 2
     if end - begin == 4:  # without one of the two further ones
         left, right = (begin, right) if abs(x[begin]) < abs(x[end - 1]) else (left, end)
-    return found, abs(found - _root(Omega, chosen, x, left, right))
+    return found, abs(found - root(at[left:right], x[left:right]))
 
 
 @njit(cache=True, nogil=True)
-def _root(Omega, chosen, x, begin, end):  # type: ignore[no-untyped-def]
-    """Return where x is zero, by the polynomial Omega(x) through some nodes."""
+def root(at, x):  # type: ignore[no-untyped-def]
+    """Return where x (k,) is zero, by the polynomial through the places ``at`` as a function of x."""
     found = 0.0
-    for b in range(begin, end):
+    for b in range(x.size):
         weight = 1.0
-        for c in range(begin, end):
+        for c in range(x.size):
             if c != b:
                 weight *= x[c] / (x[c] - x[b])
-        found += weight * Omega[chosen[b]]
+        found += weight * at[b]
     return found

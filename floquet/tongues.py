@@ -18,7 +18,7 @@ from floquet.column import least_frequency, log2_steps, multipliers
 from floquet.coordinates import blocks, equations
 from floquet.coupling import Candidate
 from floquet.exponents import modes, modes_symplectic
-from floquet.middles import middles
+from floquet.middles import middles, root
 from floquet.names import Name
 from floquet.nodes import BALANCED, Nodes, home_of, scan_nodes
 from floquet.parallel import spread
@@ -70,8 +70,8 @@ class Tongue(NamedTuple):
 
 class _Fit(NamedTuple):
     """What is known of the middle of a region at all levels, arrays (k,): its place, NaN where unknown, the square of
-    the half width, f there, whether that is measured, and the node that is nearest to it and inside the region, -1 if
-    there is none."""
+    the half width, f there, whether that is measured, the node that is nearest to it and inside the region, -1 if there
+    is none, where it may be where it is unknown, and by how much it may be off."""
 
     centre: FloatArray
     square: FloatArray
@@ -154,11 +154,16 @@ class _Follower:
         found = [self._outline(fit, nodes, max(start, first), last) for start, last in _stretches(fit.centre)]
         return [tongue for tongue in found if tongue is not None]
 
-    def _unmet(self, fit: _Fit, nodes: Nodes, first: int) -> float | None:
-        """Return where to place a column to meet a stretch that none meets; None if there is nowhere."""
+    def _seen(self, fit: _Fit, nodes: Nodes, first: int) -> NDArray[np.bool_]:
+        """Return at which levels, from ``first`` on, the middle is in the window and in no wide region."""
         seen = ~nodes.wide.at(np.nan_to_num(fit.centre))
         seen &= (fit.centre >= self.window[0]) & (fit.centre <= self.window[1])
         seen[:first] = False
+        return seen
+
+    def _unmet(self, fit: _Fit, nodes: Nodes, first: int) -> float | None:
+        """Return where to place a column to meet a stretch that none meets; None if there is nowhere."""
+        seen = self._seen(fit, nodes, first)
         for start, last in _stretches(fit.centre):
             start = max(start, first)
             if last > start and seen[start : last + 1].any():
@@ -179,10 +184,7 @@ class _Follower:
 
     def _doubtful(self, fit: _Fit, nodes: Nodes, first: int) -> float | None:
         """Return where to place a column to know better where the region is; None if that is known everywhere."""
-        seen = (fit.centre >= self.window[0]) & (fit.centre <= self.window[1])
-        seen &= ~nodes.wide.at(np.nan_to_num(fit.centre))
-        seen[:first] = False
-        doubt = np.where(seen, fit.doubt, 0.0)
+        doubt = np.where(self._seen(fit, nodes, first), fit.doubt, 0.0)
         worst = int(doubt.argmax())
         if doubt[worst] <= KNOWN * (self.window[1] - self.window[0]) or fit.centre[worst] in nodes.Omega:
             return None
@@ -217,8 +219,8 @@ class _Follower:
         some = np.arange(max(start + level - 1, 0), min(start + level + 3, len(self.eps)))
         if not (np.isfinite(nodes.f[column, some]).all() and (np.diff(nodes.apart[column, some]) != 0).all()):
             some = start + level + np.array([0, 1])
-        root = _root(self.eps[some], nodes.apart[column, some])
-        return float(nodes.Omega[column]), float(np.clip(root, *self.eps[start + level + np.array([0, 1])])), False
+        zero = root(self.eps[some], nodes.apart[column, some])
+        return float(nodes.Omega[column]), float(np.clip(zero, *self.eps[start + level + np.array([0, 1])])), False
 
     def _with(self, nodes: Nodes, Omega: float) -> Nodes:
         """Return the nodes with a new column."""
@@ -293,12 +295,6 @@ class _Follower:
             middle[where] = Omega
         modes = len(self.candidate.home.exponents)
         return Tongue(self.candidate.name, at, middle - half, middle + half, (Omega, level), sure, modes)
-
-
-def _root(x: FloatArray, y: FloatArray) -> float:
-    """Return where y (k,) is zero, by the polynomial x(y)."""
-    others = [np.delete(y, i) for i in range(len(y))]
-    return float(sum(at * np.prod(rest / (rest - own)) for at, own, rest in zip(x, y, others, strict=True)))
 
 
 def _stretches(centre: FloatArray) -> list[tuple[int, int]]:
