@@ -14,6 +14,7 @@ from scipy.special import iv
 
 import floquet.sampling
 from floquet import monodromy
+from floquet.column import STEP_ROUNDINGS
 from floquet.coordinates import blocks, equations
 from floquet.doubling import doublings, unit_scale
 from floquet.interpolation import chebyshev_points, chebyshev_weights, degree, trigonometric_weights
@@ -261,13 +262,26 @@ def test_little_memory_changes_nothing(monkeypatch, entries):
         assert np.linalg.norm(one - other) < 1e-11 * np.linalg.norm(other)
 
 
-@pytest.mark.parametrize("x", [(1e-9,), (0.01,), (1.0,), (0.5, 0.3)])
+@pytest.mark.parametrize("x", [(0.01,), (10.0,), (0.5, 0.3), (3.0, 1.0, 1.0)])
 def test_interpolation_is_exact_for_constants(x):
-    # what a constant is off adds up from step to step
+    # what a constant is off adds up from step to step; without care it is 10 to 30 units
     plan = schedule(x, x[0], np.linspace(-1, 1, 9).tobytes(), 1, 1, 10, TOLERANCE)
-    P = np.broadcast_to(sla.expm([[0.0, 0.005], [-0.005, 0.0]]), (plan.sizes[0], 2, 2))
-    for found in doubled(plan, P):
-        assert abs(np.linalg.det(found) - 1) < 2**10 * np.finfo(float).eps
+    for weights in interpolations(plan):
+        assert max(abs(math.fsum(row) - 1) for row in weights) < 8 * np.finfo(float).eps
+    shear = np.broadcast_to([[1.0, 2.0**-20], [0.0, 1.0]], (plan.sizes[0], 2, 2))  # its products have no rounding
+    for found in doubled(plan, shear):
+        assert abs(np.diag(found) - 1).max() < STEP_ROUNDINGS * 2**10 * np.finfo(float).eps
+
+
+def interpolations(plan):
+    """The matrices of weights of a schedule, one after the other."""
+    done = 0
+    for phases, nodes, groups, others in zip(plan.phases, plan.nodes, plan.groups, plan.others, strict=False):
+        for rows, columns in ((groups * (groups != nodes), nodes), (others, phases)):
+            if rows:
+                yield plan.weights[done : done + rows * columns].reshape(rows, columns)
+                done += rows * columns
+    assert done == len(plan.weights)
 
 
 def test_growth_beyond_the_largest_float():

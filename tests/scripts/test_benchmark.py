@@ -59,8 +59,9 @@ def test_mixed_equations_are_the_same_system_without_zeros() -> None:
     modal = modal_equations(benchmark.plate(12, 0.0).at(36.0))
     mixed = mixed_equations(modal)
     assert (modal.velocity == 0).mean() > 0.5
+    beside = ~np.eye(12, dtype=bool)  # the diagonal of gyroscopic forces is zero in any coordinates
     for matrix in (mixed.velocity, mixed.stiffness, mixed.cosine[0]):
-        assert (matrix != 0).all()
+        assert (matrix[beside] != 0).all()
     one, other = (np.trace(rk4(*equations, 36.0, 0.9, 2048)) for equations in (modal, mixed))
     assert other == pytest.approx(one, abs=1e-9)
 
