@@ -26,7 +26,7 @@ test: lint
 	$(BIN)/python -m pytest -m "not slow" $(ARGS)
 
 test-full: lint
-	$(BIN)/python -m pytest $(ARGS)
+	$(BIN)/python -m pytest --hypothesis-profile=default $(ARGS)
 
 lint: .venv/.ready-test
 	$(BIN)/ruff check .
