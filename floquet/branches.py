@@ -34,9 +34,11 @@ def branches(tongues: Sequence[Tongue], wide: Sequence[Contains], window: tuple[
     """Return the stretches of narrow regions that lie in the window and outside the wide regions."""
     found: list[Branch] = []
     levels = [_levels(tongue) for tongue in tongues]
-    homes = _homes(levels, wide)
-    for tongue, (eps, lower, upper), home in zip(tongues, levels, homes, strict=True):
-        free = (home < 0) & (upper >= window[0]) & (lower <= window[1])
+    seen = [np.array([eps, np.clip(lower, *window), np.clip(upper, *window)]) for eps, lower, upper in levels]
+    homes = _homes(seen, wide)
+    for tongue, (eps, lower, upper), inside, home in zip(tongues, levels, seen, homes, strict=True):
+        met = (upper >= window[0]) & (lower <= window[1])
+        home, free = np.where(met, home, -1), met & (home < 0)
         steps = np.flatnonzero(np.diff(np.concatenate([[False], free, [False]]).astype(int)))
         for start, stop in zip(steps[::2], steps[1::2], strict=True):
             before = int(home[start - 1]) if start > 0 else -1
@@ -44,7 +46,7 @@ def branches(tongues: Sequence[Tongue], wide: Sequence[Contains], window: tuple[
             sides = np.array([eps[start:stop], lower[start:stop], upper[start:stop]])
             for parent, inner, outer, end in ((before, start, start - 1, 0), (after, stop - 1, stop, 1)):
                 if parent >= 0:
-                    corner = _cut(np.array([eps, lower, upper]), inner, outer, wide[parent])
+                    corner = _cut(inside, inner, outer, wide[parent])
                     sides = np.insert(sides, 0 if end == 0 else sides.shape[1], corner, axis=1)
             if sides.shape[1] > 1:
                 parent = after if after >= 0 else before

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from floquet.coordinates import Block
 from floquet.coupling import Candidate, Home
 from floquet.exponents import Exponents, distance, follow, test_function
-from floquet.scanning import Modes, Scan
+from floquet.scanning import OTHER_PARTS, Modes, Scan
 from periodic.checks import FloatArray
 
 # Columns are looked at up to this part of their range away from a resonance.
@@ -88,7 +88,8 @@ def scan_nodes(candidates: Sequence[Candidate], scan: Scan) -> Iterator[Nodes]:
 def _followed(scan: Scan, home: Home) -> tuple[FloatArray, NDArray[np.bool_], Exponents]:
     """Return the columns of a scan in which a home was looked at, where they are unstable (columns, k), and the modes
     of the home, arrays (columns, k, n)."""
-    number = home_of([one.block for one in next(iter(scan.modes.values())).values()], home)
+    first = min(scan.modes)
+    number = home_of([one.block for one in scan.modes[first].values()], home, first)
     Omega, unstable, columns = [], [], []
     for w in sorted(scan.modes):
         column = scan.modes[w].get(number)
@@ -101,12 +102,12 @@ def _followed(scan: Scan, home: Home) -> tuple[FloatArray, NDArray[np.bool_], Ex
     return np.array(Omega), np.array(unstable), Exponents(*(np.array(part) for part in zip(*columns, strict=True)))
 
 
-def home_of(blocks: Sequence[Block], home: Home) -> int:
-    """Return which of the blocks of a member of a family is the home of a candidate at its frequency."""
+def home_of(blocks: Sequence[Block], home: Home, Omega: float) -> int:
+    """Return which of the blocks of a family at ``Omega`` is the home of a candidate at its frequency."""
     wanted = home.block.K.diagonal()
     alike = [i for i, block in enumerate(blocks) if len(block.K) == len(wanted)]
-    if len(alike) == 1:
-        return alike[0]
+    if not alike:
+        raise ValueError(OTHER_PARTS.format(Omega))
     return min(alike, key=lambda i: float(np.abs(blocks[i].K.diagonal() - wanted).max()))
 
 

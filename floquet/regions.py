@@ -17,7 +17,7 @@ from floquet.outline import Column, Loop, Place, area, components, largest_width
 from floquet.scanning import AMPLITUDES, Scan
 from floquet.tongues import Tongue, reach, trace_tongues
 from periodic import SystemFamily
-from periodic.checks import FloatArray, interval, one_of, real_array, real_number, workers
+from periodic.checks import FloatArray, interval, one_of, points, real_number, workers
 
 # Columns before any refinement. Regions narrower than the distance between them are looked for at their resonances.
 COLUMNS = 128
@@ -92,9 +92,9 @@ class Region:
         Raises
         ------
         ValueError
-            If the arguments are not real or not finite.
+            If an argument is not real or not finite, or the shapes do not broadcast.
         """
-        x, y = np.broadcast_arrays(real_array("Omega", Omega, None), real_array("eps", eps, None))
+        x, y = points(Omega, eps)
         inside = np.zeros((2, *x.shape), dtype=int)
         for loop in self.outlines:
             box = (x >= loop.Omega.min()) & (x <= loop.Omega.max()) & (y >= loop.eps.min()) & (y <= loop.eps.max())
@@ -138,7 +138,8 @@ def trace_regions(
     Raises
     ------
     ValueError
-        If an argument has the wrong type or sign, is out of range, not finite or empty.
+        If an argument has the wrong type or sign, is out of range, not finite or empty; or if the family falls into
+        other independent subsystems at one frequency of the window than at another.
 
     Notes
     -----

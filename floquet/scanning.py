@@ -31,6 +31,11 @@ FEWER = 0.25
 FINEST = 0.5
 # Marks of `leading` are in [0, 4 pi]; those of two blocks are further apart.
 APART = 100.0
+# What is said of a family whose blocks at one frequency are not those at others: there is nothing to follow.
+OTHER_PARTS = (
+    "at Omega = {:.6g} the matrices fall into other independent subsystems than elsewhere in the window; trace the "
+    "frequencies below it and those above it apart"
+)
 # Columns on each side of a slab that decide, beyond its own two, whether it needs another one.
 SEEN = 2
 # Enough columns to hide joblib's overhead, few enough to balance the load.
@@ -55,7 +60,9 @@ class Scan:
     def __init__(self, family: SystemFamily, Omega_range: tuple[float, float], eps: FloatArray, n_jobs: Any) -> None:
         self.family, self.window, self.eps = family, Omega_range, eps
         few = np.array([Omega_range[0], sum(Omega_range) / 2, Omega_range[1]])
-        self.steps = max(FEWER * steps_needed([family.at(float(w)) for w in few], few, eps), LEAST_STEPS)
+        systems = [family.at(float(w)) for w in few]
+        self.steps = max(FEWER * steps_needed(systems, few, eps), LEAST_STEPS)
+        self.sizes = [len(block.K) for block in blocks(systems[0])]
         self.n_jobs = n_jobs
         self.columns: dict[float, Column] = {}
         self.modes: dict[float, dict[int, Modes]] = {}
@@ -77,6 +84,7 @@ class Scan:
                 batch,
                 self.eps,
                 self.steps,
+                self.sizes,
                 [(spared or {}).get(w, none) for w in batch],
             )
             for batch in batches
@@ -133,17 +141,23 @@ def _intervals(
     Omega: Sequence[float],
     eps: FloatArray,
     steps: float,
+    sizes: list[int],
     spared: Sequence[frozenset[int]],
 ) -> list[list[tuple[Column, Modes, FloatArray] | None]]:
     """Return what `_of_block` says of the blocks of some columns, None for those that are spared."""
     work = Workspace()
-    return [
-        [
-            None if number in spare else _of_block(block, frequency, eps, steps, work)
-            for number, block in enumerate(blocks(system))
-        ]
-        for system, frequency, spare in zip(systems, Omega, spared, strict=True)
-    ]
+    columns = []
+    for system, frequency, spare in zip(systems, Omega, spared, strict=True):
+        parts = blocks(system)
+        if [len(block.K) for block in parts] != sizes:
+            raise ValueError(OTHER_PARTS.format(frequency))
+        columns.append(
+            [
+                None if number in spare else _of_block(block, frequency, eps, steps, work)
+                for number, block in enumerate(parts)
+            ]
+        )
+    return columns
 
 
 def _of_block(

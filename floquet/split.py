@@ -22,6 +22,8 @@ def independent_blocks(matrices: FloatArray) -> list[FloatArray]:
     one do not mix them, since its eigenvalues are distinct with probability one; which eigenvectors belong together is
     read off the matrices in this basis. A symmetric load, for instance, leaves even and odd shapes apart.
     (Subsystems that occur twice share eigenvalues and are left together: correct, only slower.)
+
+    Their order depends on the subspaces alone, so that a block of a family has the same place at every frequency.
     """
     sizes = np.linalg.norm(matrices, axis=(1, 2))
     scaled = matrices[sizes > 0] / sizes[sizes > 0, None, None]
@@ -31,10 +33,12 @@ def independent_blocks(matrices: FloatArray) -> list[FloatArray]:
     skew = (scaled - scaled.transpose(0, 2, 1)) / 2
     candidates = np.concatenate([symmetric, skew.transpose(0, 2, 1) @ skew])
     found: list[FloatArray] = []
-    for weights in np.random.default_rng(0).uniform(0.5, 1.5, (COMBINATIONS, len(candidates))):
+    random = np.random.default_rng(0)
+    direction = random.standard_normal(matrices.shape[1])
+    for weights in random.uniform(0.5, 1.5, (COMBINATIONS, len(candidates))):
         _, X = sla.eigh(np.tensordot(weights, candidates, 1))
         coupled = (np.abs(X.T @ scaled @ X) > COUPLING).any(axis=0)
         count, label = connected_components(coupled, directed=False)
         if count > len(found):
             found = [np.ascontiguousarray(X[:, label == i]) for i in range(count)]
-    return found
+    return sorted(found, key=lambda basis: float(np.linalg.norm(direction @ basis)))

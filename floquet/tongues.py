@@ -217,7 +217,8 @@ class _Follower:
         level = int(np.flatnonzero(crossed.any(axis=0))[-1])
         column = int(crossed[:, level].argmax())
         some = np.arange(max(start + level - 1, 0), min(start + level + 3, len(self.eps)))
-        if not (np.isfinite(nodes.f[column, some]).all() and (np.diff(nodes.apart[column, some]) != 0).all()):
+        steps = np.diff(nodes.apart[column, some])
+        if not (np.isfinite(nodes.f[column, some]).all() and ((steps > 0).all() or (steps < 0).all())):
             some = start + level + np.array([0, 1])
         zero = root(self.eps[some], nodes.apart[column, some])
         return float(nodes.Omega[column]), float(np.clip(zero, *self.eps[start + level + np.array([0, 1])])), False
@@ -232,7 +233,7 @@ class _Follower:
     def _column(self, Omega: float, eps: FloatArray, error: float) -> tuple[Modes, FloatArray]:
         """Return the modes of the block at ``eps`` (k,), and how many times (k,) ``error`` they are off."""
         parts = blocks(self.family.at(Omega))
-        block = parts[home_of(parts, self.candidate.home)]
+        block = parts[home_of(parts, self.candidate.home, Omega)]
         sampler = Sampler(block, equations(block, least_frequency(Omega)), Omega, self.work)
         # fourth order; where steps are symplectic they only shift the region, by a small part of its width
         finer = 1.0 if block.symplectic else (COARSEST / error) ** 0.25

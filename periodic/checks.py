@@ -95,6 +95,24 @@ def real_array(name: str, value: ArrayLike, ndim: int | None) -> FloatArray:
     return array
 
 
+def points(Omega: ArrayLike, eps: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Return frequencies and amplitudes as float64 arrays of the same shape.
+
+    Raises
+    ------
+    ValueError
+        As `real_array`, or if the shapes do not broadcast together.
+    """
+    frequency, amplitude = real_array("Omega", Omega, None), real_array("eps", eps, None)
+    try:
+        frequency, amplitude = np.broadcast_arrays(frequency, amplitude)
+    except ValueError:
+        raise ValueError(
+            f"Omega has shape {frequency.shape} and eps {amplitude.shape}; give shapes that broadcast together"
+        ) from None
+    return frequency, amplitude
+
+
 def grid(name: str, value: ArrayLike, *, positive: bool = False) -> FloatArray:
     """Return ``value`` as a read-only, non-empty, strictly increasing 1-d array (a scalar becomes one point).
 

@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike
 from periodic.checks import FloatArray, one_of, real_array, real_number, whole_number
 from periodic.system import PeriodicSystem
 
+MOST_HARMONICS = 1000
+
 
 def mathieu(delta: float = 1.0, damping: float = 0.0) -> PeriodicSystem:
     """Mathieu's equation, x'' + damping x' + (delta + eps cos Omega t) x = 0.
@@ -150,7 +152,7 @@ def gyroscopic_rotor(stiffness: ArrayLike = (4.0, 4.0), spin: float = 0.5, dampi
         mass=np.eye(2),
         gyroscopic=[[0.0, -2.0 * spin], [2.0 * spin, 0.0]],
         damping=damping * np.eye(2),
-        stiffness=np.diag(k - spin**2),
+        stiffness=np.diag(k - spin * spin),
         cosine=[np.eye(2)],
     )
 
@@ -177,7 +179,7 @@ def meissner(delta: float = 1.0, damping: float = 0.0, harmonics: int = 9) -> Pe
     Raises
     ------
     ValueError
-        If an argument has the wrong type or sign.
+        If an argument has the wrong type or sign, or ``harmonics`` is above 1000.
 
     Notes
     -----
@@ -188,7 +190,7 @@ def meissner(delta: float = 1.0, damping: float = 0.0, harmonics: int = 9) -> Pe
     """
     delta = real_number("delta", delta)
     damping = real_number("damping", damping, nonnegative=True)
-    J = whole_number("harmonics", harmonics, least=1)
+    J = whole_number("harmonics", harmonics, least=1, most=MOST_HARMONICS)
     cosine = np.zeros((J, 1, 1))
     for j in range(1, J + 1, 2):
         cosine[j - 1] = 4.0 / (math.pi * j) * (1 if j % 4 == 1 else -1)

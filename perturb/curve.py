@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
-import numpy as np
 from numpy.typing import ArrayLike
 
-from periodic.checks import FloatArray, real_array
+from periodic.checks import FloatArray, points, real_array
 
 _SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
@@ -137,11 +136,5 @@ class TransitionCurve:
         ValueError
             If an argument is not real or not finite, or the shapes do not broadcast.
         """
-        frequency, amplitude = real_array("Omega", Omega, None), real_array("eps", eps, None)
-        try:
-            frequency, amplitude = np.broadcast_arrays(frequency, amplitude)
-        except ValueError:
-            raise ValueError(
-                f"Omega has shape {frequency.shape} and eps {amplitude.shape}; give shapes that broadcast together"
-            ) from None
+        frequency, amplitude = points(Omega, eps)
         return self.resonance.growth(self.j * (frequency - self.centre), amplitude)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,9 +68,9 @@ class GyroscopicModes:
 
     def decay_coefficients(self, damping: FloatArray) -> FloatArray:
         """Return c_n of eq. (26a), omega_n^2 w_n^H D w_n, for a symmetric matrix D, shape (n,)."""
-        product = self.frequencies**2 * np.einsum("in,ij,jn->n", self.vectors.conj(), damping, self.vectors).real
+        product = self.frequencies**2 * _forms(self.vectors, damping)
         size = np.abs(self.vectors)
-        scale = self.frequencies**2 * np.einsum("in,ij,jn->n", size, np.abs(damping), size)
+        scale = self.frequencies**2 * _forms(size, np.abs(damping))
         # Terms that cancel leave rounding in proportion to their size; a mode that is at rest where the damper
         # sits leaves the square of its rounding there.
         rounding = ROUNDING * scale + ROUNDING**2 * scale.max()
@@ -124,7 +124,7 @@ def gyroscopic_modes(system: PeriodicSystem) -> GyroscopicModes:
     w = solve_triangular(L_K.T, y[n:, n:], lower=False)
     for group in _repeated(omega):
         w[:, group] = w[:, group] @ _canonical_turn(w[:, group])
-    norm = np.einsum("in,ij,jn->n", w.conj(), M, w).real * omega**2 + np.einsum("in,ij,jn->n", w.conj(), K, w).real
+    norm = _forms(w, M) * omega**2 + _forms(w, K)
     w *= np.sqrt(2.0 / norm)  # eq. (15)
     modes = GyroscopicModes(omega, w, np.zeros(n))
     return GyroscopicModes(omega, w, modes.decay_coefficients(system.damping))
@@ -165,6 +165,11 @@ def _checked_stiffness(K: FloatArray) -> FloatArray:
             "positive definite stiffness: no rigid motion, and speed and load below divergence (floquet/ takes any)"
         )
     return K
+
+
+def _forms(w: NDArray[Any], A: FloatArray) -> FloatArray:
+    """Return w_n^H A w_n of every column, real, shape (n,)."""
+    return np.asarray((w.conj() * (A @ w)).sum(axis=0).real)
 
 
 def _repeated(omega: FloatArray) -> list[slice]:

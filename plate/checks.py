@@ -12,6 +12,7 @@ from periodic.checks import FloatArray, grid, real_number, whole_number
 # Beyond these a plate is a beam or a string, and the smallest stiffness drowns in the rounding of the largest.
 ASPECT_RATIOS = (1e-3, 1e3)
 THICKNESS_RATIOS = (0.0, 1.0)
+HIGHEST_FREQUENCY = 1e100
 
 # More trial functions than any study needs; the limits keep a slip from filling the memory.
 MOST_TERMS = 100
@@ -31,6 +32,14 @@ def ratio(name: str, value: Any, limits: tuple[float, float]) -> float:
     low, high = limits
     if not low < number < high:
         raise ValueError(f"{name} = {number!r} is no plate's; give one between {low:g} and {high:g}")
+    return number
+
+
+def frequency(name: str, value: Any) -> float:
+    """Return ``value`` as an excitation frequency whose square is a float."""
+    number = real_number(name, value, nonnegative=True)
+    if number > HIGHEST_FREQUENCY:
+        raise ValueError(f"{name} = {number!r} is no plate's; give at most {HIGHEST_FREQUENCY:g}")
     return number
 
 

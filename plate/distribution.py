@@ -77,6 +77,12 @@ class Distribution:
         middles, rises = (values[1:] + values[:-1]) / 2, (values[1:] - values[:-1]) / 2
         return cls(tuple(places), tuple(zip(middles, rises, strict=True)))
 
+    @property
+    def bound(self) -> float:
+        """A bound on the mean of the modulus, no more than a few times larger."""
+        sizes = (math.fsum(map(abs, row)) for row in self.coefficients)
+        return math.fsum(size * width for size, width in zip(sizes, np.diff(self.breaks), strict=True))
+
     def __call__(self, y: ArrayLike) -> FloatArray:
         """Return the values at y/b (a number or array, from 0 to 1); at a break, those of the piece to its right.
 
@@ -85,7 +91,7 @@ class Distribution:
         ValueError
             If y is not numeric or lies outside.
         """
-        y = real_array("y", y, np.ndim(y))
+        y = real_array("y", y, None)
         if not ((y >= 0) & (y <= 1)).all():
             raise ValueError(f"y reaches from {y.min():.6g} to {y.max():.6g}; keep within 0 to 1 (y/b)")
         breaks = np.array(self.breaks)

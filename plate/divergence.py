@@ -6,14 +6,12 @@ import math
 from collections.abc import Callable
 
 from scipy.linalg import LinAlgError, eigh
+from scipy.optimize import brentq
 
 from periodic.checks import FloatArray
 
-# With in-plane inertia the divergence speed converges by a factor of about f0 (h/b)^2 / 12 an iteration.
-MOST_ITERATIONS = 50
-
-# Relative change of V_cr^2 at which its iteration stops.
-SPEED_TOLERANCE = 1e-14
+# The last part of the speeds below ``fastest`` is left out: F_c0 is singular at its end.
+LEFT_OUT = 1e-9
 
 
 def divergence_speed(
@@ -30,29 +28,36 @@ def divergence_speed(
     tension : float
         f0.
     fastest : float
-        Speed of in-plane waves, beyond which F_c0 has no meaning; infinite if F_c0 does not depend on the speed.
+        Speed at which F_c0 becomes singular, or infinity if it does not depend on the speed.
 
     Raises
     ------
     ValueError
         If the static tension buckles the plate at rest.
     """
-    # Where F_c0 depends on the speed, V_cr^2 is a fixed point. Else the second turn agrees.
-    square = 0.0
-    for _ in range(MOST_ITERATIONS):
-        stress_stiffness = F_c0(math.sqrt(square))
+
+    def inverse_square(speed: float) -> float:
+        """Return 1 / V_cr^2 under the static stress at ``speed``."""
+        # as the largest eigenvalue it keeps its accuracy beside the stiff lateral bending of a long plate
+        return float(eigh(-K_og, K_oe + tension * F_c0(speed), eigvals_only=True)[-1])
+
+    def excess(speed: float) -> float:
+        """Return (V / V_cr)^2 - 1, but at most 1, under the static stress at the speed V itself."""
         try:
-            # 1/V^2 as the largest eigenvalue keeps its accuracy beside the stiff lateral bending of a long plate.
-            inverse = eigh(-K_og, K_oe + tension * stress_stiffness, eigvals_only=True)
-        except LinAlgError:
-            if square > 0:  # a stress near the speed of in-plane waves, not the tension at rest
-                break
-            raise ValueError(_buckled(K_oe, stress_stiffness, tension)) from None
-        previous, square = square, float(1 / inverse[-1])
-        if abs(square - previous) <= SPEED_TOLERANCE * square:
-            return math.sqrt(square)
-        if square >= fastest**2:
-            break
+            return min(speed**2 * inverse_square(speed) - 1, 1.0)
+        except LinAlgError:  # a stress near the speed of in-plane waves, not the tension at rest
+            return 1.0
+
+    try:
+        at_rest = 1 / math.sqrt(inverse_square(0.0))
+    except LinAlgError:
+        raise ValueError(_buckled(K_oe, F_c0(0.0), tension)) from None
+    if math.isinf(fastest):
+        return at_rest
+    highest = (1 - LEFT_OUT) * fastest
+    for top in (min(2 * at_rest, highest), highest):
+        if excess(top) >= 0:
+            return float(brentq(excess, 0.0, top, xtol=1e-14 * at_rest, rtol=1e-14))
     return math.inf
 
 

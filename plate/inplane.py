@@ -43,6 +43,10 @@ ComplexArray = NDArray[np.complex128]
 # Share of the largest Legendre coefficient of a load below which a coefficient is rounding.
 ROUNDING = 1e-14
 
+# Imaginary part of an eigenvalue, relative to its modulus, below which it is real: a double one is good to half the
+# digits.
+REAL = 1e-7
+
 
 @dataclass(frozen=True, eq=False)
 class StressField:
@@ -164,6 +168,13 @@ class InPlaneProblem:
             matrices = (inverse.T @ inverse, inverse.T @ G[here] @ inverse, inverse.T @ K_g[here] @ inverse)
             blocks.append(InPlaneBlock(shapes, *matrices))
         return blocks[0], blocks[1]
+
+    @property
+    def divergence_speed(self) -> float:
+        """The smallest V / C at which I + (V/C)^2 K_ig is singular: the plate diverges in its own plane."""
+        squares = np.concatenate([np.linalg.eigvals(-block.transport) for block in self.blocks])
+        real = squares.real[(np.abs(squares.imag) <= REAL * np.abs(squares)) & (squares.real > 0)]
+        return 1 / math.sqrt(real.max()) if real.size else math.inf
 
     def force(self, load: Distribution) -> FloatArray:
         """Return the edge force f [phi(r, Y) - phi(0, Y)] on each coefficient, shape (coefficients,)."""

@@ -28,7 +28,7 @@ EDGE_ROUNDING = 1e-14
 # A mean this near to 1 is 1: scaling it again would only change the last digit.
 ROUNDING = 1e-14
 
-# A mean below this share of the largest value is zero but for rounding and cannot be scaled to 1.
+# A mean below this share of the mean modulus is zero but for rounding and cannot be scaled to 1.
 ZERO_MEAN = 1e-10
 
 # Terms of the Legendre series of the cosine arch: j_20(pi / 2) = 5e-22, far below rounding.
@@ -74,7 +74,7 @@ class EdgeLoad:
         if not isinstance(self.static, Distribution):
             raise ValueError(f"static = {self.static!r} is no Distribution; use EdgeLoad.uniform() or a sister of it")
         mean = self.static.mean
-        if mean <= ZERO_MEAN * max(abs(c) for row in self.static.coefficients for c in row):
+        if mean <= ZERO_MEAN * self.static.bound:
             raise ValueError(
                 f"the static load has mean {mean:.6g}; give a positive mean (the sign belongs to tension; "
                 "a distribution of zero mean can be a harmonic: Distribution.from_samples and with_waveform)"
@@ -208,7 +208,14 @@ class EdgeLoad:
         return len(self.f_c)
 
     def harmonic(self, j: int) -> tuple[Distribution, Distribution]:
-        """Return f_cj and f_sj of eq. (7) for j from 0 (the static load, zero) to J."""
+        """Return f_cj and f_sj of eq. (7) for j from 0 (the static load, zero) to J.
+
+        Raises
+        ------
+        ValueError
+            If j is no whole number or lies outside.
+        """
+        j = whole_number("j", j, least=0, most=self.harmonics)
         return (self.static, 0 * self.static) if j == 0 else (self.f_c[j - 1], self.f_s[j - 1])
 
     def with_waveform(self, waveform: str | Mapping[int, tuple[Any, Any]], harmonics: int | None = None) -> EdgeLoad:

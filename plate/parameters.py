@@ -247,14 +247,14 @@ class MovingPlate:
         Raises
         ------
         ValueError
-            If ``Omega`` is negative or not a finite number.
+            If ``Omega`` is negative, above 1e100 or no number.
 
         Warns
         -----
         InPlaneResonanceWarning
             If a harmonic comes near an in-plane resonance.
         """
-        Omega = real_number("Omega", Omega, nonnegative=True)
+        Omega = checks.frequency("Omega", Omega)
         return self._system_at(Omega) if self.inplane == "dynamic" else self._system
 
     def stress(
@@ -288,7 +288,7 @@ class MovingPlate:
         ValueError
             If an argument is out of range.
         """
-        Omega = real_number("Omega", Omega, nonnegative=True)
+        Omega = checks.frequency("Omega", Omega)
         harmonic = whole_number("harmonic", harmonic, least=0, most=self.load.harmonics)
         X, Y = checks.places("x", x, self.aspect_ratio), checks.places("y", y, 1.0)
         stresses = self._stress.field(harmonic, Omega, X, Y)
@@ -323,14 +323,16 @@ class MovingPlate:
 
     @cached_property
     def _critical_speed(self) -> float:
-        fastest = self._wave_speed if self.inplane == "dynamic" else math.inf
+        fastest = math.inf
+        if self.inplane == "dynamic":
+            fastest = self._wave_speed * min(1.0, self._inplane_problem.divergence_speed)
         speed = divergence_speed(
             self.elastic_stiffness, self.transport_stiffness, self._stress.static_stiffness, self.tension, fastest
         )
         if math.isinf(speed):
             raise ValueError(
-                f"thickness_ratio = {self.thickness_ratio!r} is too large for tension = {self.tension!r}: in-plane "
-                "waves are not faster than divergence; give a thinner plate or less tension"
+                f"thickness_ratio = {self.thickness_ratio!r} is too large for tension = {self.tension!r}: the plate "
+                f"diverges in its own plane first, at speed {fastest:.6g}; give a thinner plate or less tension"
             )
         return speed
 

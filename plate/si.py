@@ -37,6 +37,7 @@ class SIProperties:
 
     def units(self, thickness_ratio: float, nu: float) -> tuple[float, float]:
         """Return the units of time, sqrt(rho h b^4 / D) in s, and of tension, D / b^2 in N/m, of eq. (12)."""
-        h = thickness_ratio * self.width
-        D = self.youngs_modulus * h**3 / (12 * (1 - nu**2))
-        return math.sqrt(self.density * h * self.width**4 / D), D / self.width**2
+        h, b2 = thickness_ratio * self.width, self.width * self.width
+        D = real_number("bending stiffness", self.youngs_modulus * h * h * h / (12 * (1 - nu**2)), positive=True)
+        time = real_number("time unit", math.sqrt(self.density * h / D) * b2, positive=True)
+        return time, real_number("tension unit", D / b2, positive=True)

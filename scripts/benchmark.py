@@ -27,8 +27,15 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--output", type=Path, metavar="FILE", help="write the tables into this page as well")
     parser.add_argument("--check", action="store_true", help="hold the chart against its limits, nothing else")
     options = parser.parse_args(arguments)
+    if options.check and options.output:
+        parser.error("--output has no meaning with --check; leave it out")
     if options.check:
         return _check()
+    if options.output:
+        try:
+            surroundings(options.output)  # before the work
+        except OSError as error:
+            parser.error(str(error))
     plan = benchmark.QUICK if options.quick else benchmark.Plan()
     tables = [f"Before: {benchmark.conditions()}"]
     print(tables[0], flush=True)
@@ -64,11 +71,26 @@ def _check() -> int:
     return int(slow)
 
 
+def surroundings(path: Path) -> tuple[str, str]:
+    """Return what is before and after the marks in the file; nothing if there is no file.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read, or has no marks.
+    """
+    if not path.exists():
+        return "", "\n"
+    head, begun, rest = path.read_text(encoding="utf-8").partition(BEGIN)
+    _, ended, tail = rest.partition(END)
+    if not (begun and ended):
+        raise OSError(f"{path} has no lines {BEGIN} and {END}; put them where the tables shall be")
+    return head, tail
+
+
 def write_between(path: Path, text: str) -> None:
     """Put ``text`` between the marks in the file; make the file if there is none."""
-    old = path.read_text(encoding="utf-8") if path.exists() else f"{BEGIN}\n{END}\n"
-    head, _, rest = old.partition(BEGIN)
-    _, _, tail = rest.partition(END)
+    head, tail = surroundings(path)
     path.write_text(f"{head}{BEGIN}\n{text}\n{END}{tail}", encoding="utf-8")
 
 

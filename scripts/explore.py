@@ -118,6 +118,8 @@ def _parser() -> argparse.ArgumentParser:
 
 def _check(options: argparse.Namespace) -> None:
     """Refuse options that would be left without effect."""
+    if options.all_modes and not options.system:
+        raise ValueError("--all-modes belongs to a system; add --system")
     without_effect = {"serve": ("sweep", *CHART_OPTIONS), "sweep": ("Omega", *CHART_OPTIONS)}
     for instead, others in without_effect.items():
         for other in others:

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from io import TextIOWrapper
 from pathlib import Path
-from typing import Any, TextIO, cast
+from typing import Any, TextIO
 
 from compare.cluster import workers_at
 from floquet.checkpoint import BlockStore
@@ -51,8 +51,9 @@ def steady_output() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="replace")
-    if isinstance(sys.stdout, TextIOWrapper):
-        sys.stdout = cast(TextIO, _Steady(sys.stdout))
+    for name in ("stdout", "stderr"):
+        if isinstance(getattr(sys, name), TextIOWrapper):
+            setattr(sys, name, _Steady(getattr(sys, name)))
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -75,7 +76,7 @@ def run(name: str, options: argparse.Namespace, work: Callable[[BlockStore], int
     """Return the exit status of ``work``, or 2 for wrong input and 130 for an interruption, each with a sentence."""
     own = options.resume in (None, Path(UNFINISHED))
     folder = options.output / UNFINISHED if own else options.resume
-    store = None
+    store, status = None, None
     try:
         if own and any(folder.glob("*.block")):
             what = f"{folder} holds finished parts of charts of a run that was stopped"
@@ -94,7 +95,8 @@ def run(name: str, options: argparse.Namespace, work: Callable[[BlockStore], int
     except ValueError as error:
         return _stopped(name, str(error), store, 2)
     except KeyboardInterrupt:
-        return _stopped(name, "interrupted; nothing was written", store, 130)
+        written = "nothing was" if status is None else "all was"
+        return _stopped(name, f"interrupted; {written} written", store, 130)
     finally:
         with suppress(OSError):  # it may hold what was finished
             folder.rmdir()

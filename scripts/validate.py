@@ -79,6 +79,7 @@ def _parser() -> argparse.ArgumentParser:
 def _subjects(options: argparse.Namespace) -> list[Subject]:
     """Return the cases and systems that the options name, all read and checked before the first is computed."""
     given = [name for name in ("Omega", "eps", "points", "modes") if getattr(options, name) is not None]
+    given += ["all-modes"] if options.all_modes else []
     if given and not options.system:
         raise ValueError(f"--{given[0]} belongs to a system; add --system, or write it into a case file")
     subjects = [Subject.of_case(load_case(path)) for path in options.case]

@@ -23,7 +23,7 @@ def staged(folder: str | Path) -> Iterator[Path]:
     Raises
     ------
     ValueError
-        If ``folder`` cannot be made or written to.
+        If ``folder`` cannot be made or written to, the disk is full, or there is a folder where a file shall be.
     """
     target = Path(folder)
     try:
@@ -34,9 +34,13 @@ def staged(folder: str | Path) -> Iterator[Path]:
         raise ValueError(f"{target}: cannot be written to ({error.strerror}); give another folder") from None
     with workspace as name:
         stage = Path(name)
-        yield stage
-        for path in sorted(stage.rglob("*")):
-            if path.is_file():
-                final = target / path.relative_to(stage)
-                final.parent.mkdir(parents=True, exist_ok=True)
-                os.replace(path, final)
+        try:
+            yield stage
+            for path in sorted(stage.rglob("*")):
+                if path.is_file():
+                    final = target / path.relative_to(stage)
+                    final.parent.mkdir(parents=True, exist_ok=True)
+                    os.replace(path, final)
+        except OSError as error:
+            where = error.filename2 or error.filename or target
+            raise ValueError(f"{where}: results cannot be written ({error.strerror or error})") from error

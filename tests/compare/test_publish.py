@@ -26,7 +26,7 @@ def test_files_appear_only_when_the_block_has_succeeded(tmp_path: Path) -> None:
 def test_a_failure_leaves_the_old_result_whole(tmp_path: Path) -> None:
     with staged(tmp_path) as stage:
         _write(stage, a="old", b="old")
-    with pytest.raises(FileNotFoundError), staged(tmp_path) as stage:
+    with pytest.raises(ValueError, match="cannot be written"), staged(tmp_path) as stage:
         _write(stage, **{"a": "new", "no/such/folder": ""})
     assert (tmp_path / "a").read_text() == (tmp_path / "b").read_text() == "old"
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a", "b"]
@@ -40,6 +40,17 @@ def test_files_of_others_are_never_touched(tmp_path: Path) -> None:
         _write(stage / "sub", c="3")
     assert (tmp_path / "mine").read_text() == "keep"
     assert (tmp_path / "sub" / "c").read_text() == "3"
+
+
+def test_a_folder_in_the_place_of_a_file_is_named(tmp_path: Path) -> None:
+    (tmp_path / "b").mkdir()
+    with pytest.raises(ValueError, match=r"b: results cannot be written \(Is a directory\)"), staged(tmp_path) as stage:
+        _write(stage, a="new", b="new")
+
+
+def test_a_full_disk_is_named(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"cannot be written .*No space left"), staged(tmp_path):
+        Path("/dev/full").write_text("result")
 
 
 def test_a_folder_that_cannot_be_made_is_refused(tmp_path: Path) -> None:

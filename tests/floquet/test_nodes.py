@@ -43,8 +43,8 @@ def test_the_home_of_a_candidate_is_found_among_blocks() -> None:
     system = MovingPlate(axial_terms=2, lateral_terms=3).at(30.0)
     parts = blocks(system)
     for one in candidates(system, resonances(system, 20.0, 40.0), 0.5)[:10]:
-        assert parts[home_of(parts, one.home)].K.shape == one.home.block.K.shape
-        np.testing.assert_allclose(parts[home_of(parts, one.home)].K, one.home.block.K)
+        assert parts[home_of(parts, one.home, 20.0)].K.shape == one.home.block.K.shape
+        np.testing.assert_allclose(parts[home_of(parts, one.home, 20.0)].K, one.home.block.K)
 
 
 @pytest.mark.parametrize(("partner", "counts"), [(1, True), (2, False)])

@@ -238,6 +238,13 @@ def test_a_region_that_only_touches_the_edge_of_the_window_is_not_lost(side: int
     assert np.abs(region.outlines[0].Omega - edge).max() < 1e-3 * (window[1] - window[0])
 
 
+@pytest.mark.parametrize("low", [0.9995, 1.0, 1.0005, 1.001, 1.002])
+def test_a_region_that_the_window_cuts_at_its_resonance_is_there_once(low: float) -> None:
+    # 2ω₁/2 starts at Omega = 1 and leans to the left
+    found = [region for region in trace_regions(mathieu(), (low, 3.0), (0.0, 0.3), progress=False) if region.tip[0] < 2]
+    assert [region.label for region in found] == ["2ω₁/2"]
+
+
 def test_a_stable_window_has_no_regions() -> None:
     assert trace_regions(mathieu(damping=0.5), (1.5, 2.5), (0.0, 0.3), progress=False) == []
 

@@ -52,6 +52,22 @@ def test_bases_are_orthonormal_and_complete(seed, n):
     np.testing.assert_allclose(X.T @ X, np.eye(n), atol=1e-13)
 
 
+@some
+@given(st.integers(0, 10**6), st.lists(st.integers(1, 3), min_size=2, max_size=4))
+def test_blocks_of_a_family_keep_their_order(seed, sizes):
+    # members of a family differ in their excitation; the order of eigenvalues of a combination differs with it
+    rng = np.random.default_rng(seed)
+    turn = sla.qr(rng.standard_normal((sum(sizes), sum(sizes))))[0]
+    one, other = (
+        independent_blocks(
+            np.array([turn @ sla.block_diag(*(rng.standard_normal((n, n)) for n in sizes)) @ turn.T for _ in range(3)])
+        )
+        for _ in range(2)
+    )
+    for X, Y in zip(one, other, strict=True):
+        np.testing.assert_allclose(X @ X.T, Y @ Y.T, atol=1e-10)
+
+
 def test_no_matrices_at_all():
     assert [X.tolist() for X in independent_blocks(np.zeros((2, 2, 2)))] == [[[1.0], [0.0]], [[0.0], [1.0]]]
 

@@ -53,6 +53,7 @@ def multipliers(system: PeriodicSystem, Omega: float, eps: float) -> np.ndarray:
         (meissner, "harmonics", 0),
         (meissner, "harmonics", 3.0),
         (meissner, "harmonics", True),
+        (meissner, "harmonics", 10**12),
     ],
 )
 def test_bad_arguments_are_named(example: Any, argument: str, value: Any) -> None:

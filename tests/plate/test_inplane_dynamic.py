@@ -202,6 +202,40 @@ def test_static_transport_term_changes_the_divergence_speed() -> None:
     assert abs(np.linalg.eigvalsh(at_critical.at(1.0).stiffness)[0]) < 1e-5
 
 
+@pytest.mark.filterwarnings("ignore:harmonic 1 of the excitation comes near:plate.InPlaneResonanceWarning")
+@pytest.mark.parametrize(
+    ("r", "tension", "thickness", "nu"), [(0.10798, 54.98, 0.09208, -0.3363), (0.21156, 3220.7, 0.051076, 0.2871)]
+)
+def test_the_lowest_speed_at_which_a_thick_plate_diverges(
+    r: float, tension: float, thickness: float, nu: float
+) -> None:
+    common: dict[str, Any] = {"poisson_ratio": nu, "inplane": "dynamic", "thickness_ratio": thickness}
+    resting = MovingPlate(aspect_ratio=r, tension=tension, speed=0.0, axial_terms=6, lateral_terms=8, **common)
+    critical = resting.critical_speed()
+    lowest = [
+        np.linalg.eigvalsh(replace(resting, speed=part * critical).at(0.0).stiffness)[0]
+        for part in (*np.linspace(0.0, 0.99, 40), 1 - 1e-6)
+    ]
+    assert min(lowest) > 0
+    assert lowest[-1] < 1e-2 * lowest[-2]
+
+
+def test_a_plate_that_diverges_in_its_own_plane_first_is_refused() -> None:
+    # without tension across it would diverge at 0.57 C, but in its plane it does so at 0.475 C
+    with pytest.raises(ValueError, match=r"diverges in its own plane first, at speed 40\.6"):
+        MovingPlate(
+            aspect_ratio=1.0966,
+            tension=2512.0,
+            thickness_ratio=0.040493,
+            poisson_ratio=0.0625,
+            speed=0.0,
+            axial_terms=6,
+            lateral_terms=8,
+            inplane="dynamic",
+            inplane_terms=(17, 9),
+        )
+
+
 def test_each_harmonic_has_its_own_frequency_and_phase() -> None:
     one = MovingPlate(inplane="dynamic", thickness_ratio=0.05, load=EdgeLoad.uniform().with_waveform({2: (0.0, 1.0)}))
     other = MovingPlate(inplane="dynamic", thickness_ratio=0.05)

@@ -345,7 +345,15 @@ def test_si_properties_are_positive(name: str, value: float) -> None:
         MovingPlate.from_si(**(STEEL | {name: value}))
 
 
-@pytest.mark.parametrize("Omega", [-1.0, np.nan, np.inf, "20", None, [20.0], True])
+@pytest.mark.parametrize(
+    "changes", [{"thickness": 1e-110}, {"youngs_modulus": 1e-320}, {"width": 1e160, "length": 1e160}]
+)
+def test_units_beyond_floating_point_are_refused(changes: dict[str, float]) -> None:
+    with pytest.raises(ValueError, match="out of range"):
+        MovingPlate.from_si(**(STEEL | changes))
+
+
+@pytest.mark.parametrize("Omega", [-1.0, 1e160, np.nan, np.inf, "20", None, [20.0], True])
 @pytest.mark.parametrize("inplane", MODELS)
 def test_bad_frequencies_are_refused(Omega: Any, inplane: str) -> None:
     with pytest.raises(ValueError, match="Omega"):
