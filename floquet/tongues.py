@@ -271,8 +271,9 @@ class _Follower:
             return None
         known = levels[np.isfinite(fit.centre[levels])]
         squares = self.eps**2
-        centre, square = (np.interp(squares[levels], squares[known], part[known]) for part in (fit.centre, fit.square))
-        height = fit.height[levels]
+        centre, square, height = (
+            np.interp(squares[levels], squares[known], part[known]) for part in (fit.centre, fit.square, fit.height)
+        )
         closed = np.flatnonzero(height < 0)
         bottom = closed[-1] + 1 if len(closed) else 0
         if len(levels) - bottom < 2:
