@@ -12,12 +12,13 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from tqdm import tqdm
 
 from floquet import BoundaryTrace, Kind, trace_boundary
 from floquet.monodromy import member_at
 from floquet.parallel import gather
+from floquet.resonance import NoResonanceError
 from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import FloatArray, grid, interval, one_of, whole_number, workers
 from perturb import TransitionCurve, transition_curves
@@ -176,10 +177,7 @@ def _select(curves: list[TransitionCurve], modes: int | None) -> dict[tuple[Any,
 
 def _judge(rungs: list[_DampingScaled], curves: list[TransitionCurve], eps: FloatArray, order: int) -> RegionAgreement:
     last = curves[-1]
-    traces = [
-        trace_boundary(rung, last.centre, value, kind=last.kind, j=last.j)
-        for rung, value in zip(rungs, eps, strict=True)
-    ]
+    traces = [traced_curve(rung, last, value) for rung, value in zip(rungs, eps, strict=True)]
     analytic = np.array([curve.edges(value) for curve, value in zip(curves, eps, strict=True)], dtype=float).T
     traced = _stack(traces, "lower", "upper")
     gap = np.abs(traced - analytic)
@@ -187,11 +185,11 @@ def _judge(rungs: list[_DampingScaled], curves: list[TransitionCurve], eps: Floa
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.where(width > RESOLUTION * last.centre, traced_width / width, np.nan)
     fitted = np.array([fitted_order(eps, edge) for edge in gap])
-    undecided = np.array([trace.kind[0] == Kind.UNDECIDED for trace in traces])
-    if undecided.any():
-        where = ", ".join(f"{value:g}" for value in eps[undecided])
-        agrees, reason = False, f"integration cannot tell this region from others at eps = {where}"
-    else:
+    agrees, reason = False, ""
+    for trouble, rungs_with in _troubles(traces).items():
+        if rungs_with.any() and not reason:
+            reason = f"{trouble} at eps = {_listed(eps[rungs_with])}"
+    if not reason:
         agrees, reason = _verdict(eps, analytic, traced, fitted, order, RESOLUTION * last.centre)
     return RegionAgreement(
         label=last.label,
@@ -210,6 +208,31 @@ def _judge(rungs: list[_DampingScaled], curves: list[TransitionCurve], eps: Floa
         agrees=agrees,
         reason=reason,
     )
+
+
+def traced_curve(family: SystemFamily, curve: TransitionCurve, eps: ArrayLike) -> BoundaryTrace | None:
+    """Return the region of a transition curve by integration; None where damping moves its frequencies so far that they
+    do not belong to the curve any more."""
+    try:
+        return trace_boundary(family, curve.centre, eps, kind=curve.kind, j=curve.j)
+    except NoResonanceError:
+        return None
+
+
+def _troubles(traces: list[BoundaryTrace | None]) -> dict[str, NDArray[np.bool_]]:
+    """Return on which rungs there is nothing that the edges of theory could be held against, and why."""
+    missing = np.array([trace is None for trace in traces])
+    kind = np.array([Kind.STABLE if trace is None else trace.kind[0] for trace in traces])
+    edges = _stack(traces, "lower", "upper")
+    return {
+        "damping moves the natural frequencies by more than first order allows": missing,
+        "integration cannot tell this region from others": kind == Kind.UNDECIDED,
+        "integration finds no edge where instability ends": (kind > Kind.STABLE) & np.isnan(edges).any(axis=0),
+    }
+
+
+def _listed(values: FloatArray) -> str:
+    return ", ".join(f"{value:g}" for value in values)
 
 
 def fitted_order(eps: FloatArray, gap: FloatArray) -> float:
@@ -262,9 +285,8 @@ def _verdict(
         largest = float(np.nanmax(traced[1] - traced[0]))
         return False, f"closed by theory, but integration finds it open, {largest:.3g} wide at most"
     if (predicted != found).any():
-        rungs = ", ".join(f"{value:g}" for value in eps[predicted != found])
         side = "theory" if predicted[predicted != found][0] else "integration"
-        return False, f"only {side} finds it open at eps = {rungs}"
+        return False, f"only {side} finds it open at eps = {_listed(eps[predicted != found])}"
     if not predicted.all():
         return True, "open on the same rungs by theory and by integration"
     at_floor = np.asarray((gap <= 10 * resolution).all(axis=1))
@@ -280,8 +302,8 @@ def _verdict(
     return False, f"gap of order {orders} in eps where {wanted} is expected"
 
 
-def _stack(traces: list[BoundaryTrace], *names: str) -> FloatArray:
-    return np.array([[getattr(trace, name)[0] for trace in traces] for name in names])
+def _stack(traces: list[BoundaryTrace | None], *names: str) -> FloatArray:
+    return np.array([[np.nan if trace is None else getattr(trace, name)[0] for trace in traces] for name in names])
 
 
 def _plain(value: Any) -> Any:

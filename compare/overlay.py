@@ -42,6 +42,7 @@ STYLE: dict[Any, Any] = {
     "legend.frameon": False,
     "figure.dpi": 150,
     "savefig.bbox": "tight",
+    "text.parse_math": False,  # labels and file names are anybody's: a $ in them is a $
 }
 
 
@@ -204,7 +205,8 @@ def _frame_region(axes: Axes, shown: Sequence[tuple[TransitionCurve, BoundaryTra
     edges = np.concatenate(
         [[curve.centre, *curve.edges(trace.eps[-1]), *trace.lower, *trace.upper] for curve, trace in shown]
     )
-    low, high = float(np.nanmin(edges)), float(np.nanmax(edges))
+    edges = edges[np.isfinite(edges)]
+    low, high = float(edges.min()), float(edges.max())
     margin = max(0.12 * (high - low), 2e-3 * high)
     axes.set_xlim(low - margin, high + margin)
     axes.set_ylim(0, max(trace.eps[-1] for _, trace in shown))

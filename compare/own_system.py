@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from compare.explorer.exploration import MODES_SHOWN, MOST_POINTS, default_window
+from compare.explorer.exploration import MODES_SHOWN, default_window
+from compare.files.cases import MOST_POINTS
 from compare.files.matrices import FIELDS, load_system
 from compare.study import Subject
 from compare.truncation import lowest_modes

@@ -10,11 +10,11 @@ from typing import Any, Literal
 import numpy as np
 from tqdm import tqdm
 
-from compare.agreement import DEFAULT_LADDER, RegionAgreement, agreement
+from compare.agreement import DEFAULT_LADDER, RegionAgreement, agreement, traced_curve
 from compare.audit import audit_sentence
 from compare.files.cases import Case
 from compare.overlay import Figure, Layer, overlay, region_panels, variant_panels
-from floquet import BoundaryTrace, StabilityChart, stability_chart, trace_boundary
+from floquet import BoundaryTrace, StabilityChart, stability_chart
 from floquet.checkpoint import BlockStore
 from floquet.parallel import gather
 from floquet.threads import single_blas_thread
@@ -206,7 +206,8 @@ def run_case(
     Raises
     ------
     ValueError
-        If a system of the case cannot be analysed, for instance above its divergence speed.
+        If a system of the case cannot be analysed, for instance above its divergence speed, or none of its regions
+        starts in the window.
     """
     subject = Subject.of_case(case) if isinstance(case, Case) else case
     with single_blas_thread():  # the matrices are small: threads of BLAS would only fight
@@ -228,6 +229,12 @@ def _run_variant(
 ) -> VariantStudy:
     window, eps_max = subject.window, subject.eps
     columns, rows = QUICK_POINTS if quick else subject.points
+    curves = transition_curves(family, ((1 - MARGIN) * window[0], (1 + MARGIN) * window[1]))
+    if not any(window[0] <= curve.centre <= window[1] and max(curve.p, curve.q) <= subject.modes for curve in curves):
+        raise ValueError(
+            f"none of the regions between the {subject.modes} lowest modes starts in the window, Omega from "
+            f"{window[0]:g} to {window[1]:g}; give another window, or regions of higher modes"
+        )
     chart = stability_chart(
         family,
         np.linspace(*window, columns),
@@ -236,14 +243,14 @@ def _run_variant(
         progress=progress,
         cache=cache,
     )
-    curves = transition_curves(family, ((1 - MARGIN) * window[0], (1 + MARGIN) * window[1]))
     verdicts = agreement(family, window, subject.ladder, modes=subject.modes, n_jobs=n_jobs, progress=progress)
     shown = subject.selected(curves)
     points = QUICK_TRACE_POINTS if quick else TRACE_POINTS
-    tasks = [(family, curve.centre, _ladder(curve, eps_max, points)) for curve in shown]
+    tasks = [(family, curve, _ladder(curve, eps_max, points)) for curve in shown]
     with tqdm(desc="traces", total=len(tasks), unit="region", disable=not progress) as bar:
-        traces = gather(trace_boundary, tasks, n_jobs, bar)
-    return VariantStudy(label, chart, curves, list(zip(shown, traces, strict=True)), verdicts)
+        traces = gather(traced_curve, tasks, n_jobs, bar)
+    panels = [(curve, trace) for curve, trace in zip(shown, traces, strict=True) if trace is not None]
+    return VariantStudy(label, chart, curves, panels, verdicts)
 
 
 def _ladder(curve: TransitionCurve, eps_max: float, points: int) -> FloatArray:

@@ -146,8 +146,8 @@ def trace_regions(
     Wide regions are what 128 columns of the window meet, and as many more as their edges, and stable gaps between them,
     need. Narrower ones, which pass between the columns, are looked for at the resonances j Omega = omega_p ± omega_q,
     j <= 8, and followed from there (`floquet.tongues`). A narrow region may be missed if it starts at none of these, or
-    where it is crowded by others; so may a stable gap that is narrower than the tolerance. Every region has a
-    witness.
+    where it is crowded by others; so may a stable gap that is narrower than the tolerance in Omega, or than an eightieth
+    of the window in eps. Every region has a witness.
     """
     low, high = interval("Omega_range", Omega_range)
     real_number("Omega_range[0]", low, positive=True)

@@ -29,6 +29,10 @@ AGREEMENT = 1e-9
 SLOWEST = 1e-9
 
 
+class NoResonanceError(ValueError):
+    """No resonance is near enough to the frequency asked for."""
+
+
 @dataclass(frozen=True, eq=False)
 class Resonance:
     """j Omega = omega_p + omega_q ("sum") or omega_p - omega_q ("difference") of a system at eps = 0.
@@ -65,7 +69,7 @@ def nearest_resonance(
 
     Raises
     ------
-    ValueError
+    NoResonanceError
         If there is none within 5 % of ``near``.
     """
     exponents, vectors = _oscillations(system, near)
@@ -80,7 +84,7 @@ def nearest_resonance(
         named = "(omega_p " + ("±" if len(kinds) > 1 else "+" if "sum" in kinds else "-") + " omega_q) / j"
         which = f"= {orders[0]}" if len(orders) == 1 else f"<= {orders[-1]}"
         first = ", ".join(f"{f:.6g}" for f in frequencies[:4]) or "none"
-        raise ValueError(
+        raise NoResonanceError(
             f"near = {near!r} is not within {FARTHEST:.0%} of any {named} with j {which}; "
             f"the natural frequencies are {first}{', ...' if len(frequencies) > 4 else ''}"
         )

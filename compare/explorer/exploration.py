@@ -13,6 +13,7 @@ import numpy as np
 
 from compare.audit import audit_sentence
 from compare.explorer.outlines import LEVELS, draw_outlines
+from compare.files.cases import MOST_POINTS
 from compare.overlay import overlay
 from floquet import Region, StabilityChart, stability_chart, trace_regions
 from floquet.checkpoint import BlockStore
@@ -28,8 +29,6 @@ MODES_SHOWN = 3
 STIFFNESS_CHANGE, OVERCOMING = 0.5, 5.0
 # Frequencies below this part of the highest one belong to rigid-body motion: the square root of rounding.
 RIGID = 1e-6
-# More columns or rows than any screen has; keeps a slip from filling the memory.
-MOST_POINTS = 10_000
 # Regions that start beside the window, by this part of its width, may lean into it.
 NEIGHBOURS = 0.25
 # Values of eps at which a curve is looked at to see whether it is open anywhere in the window.

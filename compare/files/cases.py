@@ -8,12 +8,17 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, PositiveInt, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, PositiveInt, ValidationError, model_validator
 
 from plate import EdgeLoad, MovingPlate
 
 _T = TypeVar("_T", bound=BaseModel)
 FiniteFloat = Annotated[float, Field(allow_inf_nan=False)]
+# More columns or rows than any screen has; keeps a slip from filling the memory.
+MOST_POINTS = 10_000
+Points = Annotated[int, Field(ge=2, le=MOST_POINTS)]
+# It begins the names of the files of a result, which stay in its folder.
+FileName = Annotated[str, Field(pattern=r"^[^/\\\x00-\x1f]*$", max_length=100)]
 
 # As many as the pictures have colours that every reader can tell apart.
 MOST_VARIANTS = 4
@@ -70,8 +75,8 @@ class Chart(_Table):
     """Window and resolution of the wide chart."""
 
     Omega: tuple[FiniteFloat, FiniteFloat] = (5.0, 90.0)
-    eps: PositiveFloat = 0.4
-    points: tuple[PositiveInt, PositiveInt] = (256, 128)
+    eps: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 0.4
+    points: tuple[Points, Points] = (256, 128)
 
     @model_validator(mode="after")
     def _ordered(self) -> Chart:
@@ -90,12 +95,19 @@ class Variant(_Table):
 class Case(_Table):
     """One figure: a plate in one or more variants, a window, and the regions to look at closely."""
 
-    name: str = ""
+    name: FileName = ""
     title: str
     compare: Literal["within", "beside"] = "within"
     plate: Plate = Plate()
     chart: Chart = Chart()
-    regions: list[tuple[PositiveInt, PositiveInt]] = [(1, 1), (2, 2), (3, 3), (1, 2), (1, 3), (2, 3)]
+    regions: Annotated[list[tuple[PositiveInt, PositiveInt]], Field(min_length=1)] = [
+        (1, 1),
+        (2, 2),
+        (3, 3),
+        (1, 2),
+        (1, 3),
+        (2, 3),
+    ]
     variants: list[Variant] = [Variant(label="")]
 
     @model_validator(mode="after")
@@ -111,7 +123,8 @@ class Case(_Table):
         Raises
         ------
         ValueError
-            If a variant's table has an unknown key or a value out of range; the message names the variant.
+            If a variant's table has an unknown key or a value out of range, or its plate has fewer modes than
+            ``regions`` names; the message names the variant.
         """
         return {variant.label: self._system(variant) for variant in self.variants}
 
@@ -119,11 +132,15 @@ class Case(_Table):
         where = f"[variants.plate] of {variant.label!r}" if variant.plate else "[plate]"
         merged = self.plate.model_dump(exclude_none=True, mode="json") | variant.plate
         try:
-            return _strictly(Plate, merged).build()
+            plate = _strictly(Plate, merged).build()
         except ValidationError as error:
             raise ValueError(_explain(error, where)) from None
         except ValueError as error:
             raise ValueError(f"{where}: {error}") from None
+        highest, count = max(map(max, self.regions)), plate.axial_terms * plate.lateral_terms
+        if highest > count:
+            raise ValueError(f"regions names mode {highest}, but the plate of {where} has {count} modes only")
+        return plate
 
 
 def shipped_cases() -> list[Path]:
