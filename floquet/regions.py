@@ -146,8 +146,8 @@ def trace_regions(
     Wide regions are what 128 columns of the window meet, and as many more as their edges, and stable gaps between them,
     need. Narrower ones, which pass between the columns, are looked for at the resonances j Omega = omega_p ± omega_q,
     j <= 8, and followed from there (`floquet.tongues`). A narrow region may be missed if it starts at none of these, or
-    where it is crowded by others; so may a stable gap that is narrower than the tolerance in Omega, or than an eightieth
-    of the window in eps. Every region has a witness.
+    where it is crowded by others; so may a stable gap that is narrower than the tolerance in Omega, or than an 80th of
+    the window in eps. Every region has a witness.
     """
     low, high = interval("Omega_range", Omega_range)
     real_number("Omega_range[0]", low, positive=True)
@@ -166,14 +166,18 @@ def trace_regions(
         [np.linspace(0.0, bottom, BELOW, endpoint=False)[: BELOW * (bottom > 0)], np.linspace(bottom, top, AMPLITUDES)]
     )
     scan = Scan(family, (low, high), eps, n_jobs)
-    base = np.linspace(low, high, COLUMNS + 1)
+    base = np.linspace(low, high, COLUMNS + 1).tolist()
     spare = width / COLUMNS
     expected = candidates(member, [name for name in names if low - spare < name.centre < high + spare], top)
-    feet = [one.name.centre for one in expected if one.width > FOOT * width / COLUMNS and one.name.j <= 2]
-    feet = [foot for foot in feet if low < foot < high]
+    feet = [
+        one.name.centre for one in expected if one.width > FOOT * width / COLUMNS and one.name.j <= 2 * member.harmonics
+    ]
+    for foot in feet:
+        if low < foot < high and min(abs(w - foot) for w in base) > APART * width:
+            base.append(foot)
     with tqdm(total=4, unit="stage", disable=None if progress is None else not progress) as bar:
         beside = [w for w in (low - spare, high + spare) if w > 0]  # where modes go on, for what starts outside
-        scan.add([*base, *beside, *(foot for foot in feet if np.abs(base - foot).min() > APART * width)])
+        scan.add([*base, *beside])
         bar.update()
         scan.refine((width, top - bottom), bottom, tolerance)
         bar.update()

@@ -94,7 +94,7 @@ class Scan:
                 self.modes[w] = {number: part[1] for number, part in enumerate(parts) if part is not None}
                 self.quiet[w] = frozenset(n for n, part in enumerate(parts) if part is None or not part[0])
                 if self.window[0] <= w <= self.window[1]:
-                    self.columns[w] = union([part[0] for part in parts if part is not None])
+                    self.columns[w] = union([(part[0], part[2][0]) for part in parts if part is not None], self.eps)
                     self.leading[w] = _strongest([None if part is None else part[2] for part in parts], len(self.eps))
         return len(new)
 
@@ -223,11 +223,20 @@ def _with_neighbours(sure: NDArray[np.bool_], likely: NDArray[np.bool_]) -> NDAr
     return either
 
 
-def union(columns: Sequence[Column]) -> Column:
-    """Return the unstable intervals of a system from those of its blocks."""
+def union(parts: Sequence[tuple[Column, FloatArray]], eps: FloatArray) -> Column:
+    """Return the unstable intervals of a system from those of its blocks and f at all amplitudes.
+
+    Of two that begin between the same amplitudes, the more unstable one says of which kind they are there.
+    """
+    found = []
+    for column, rates in parts:
+        levels = np.searchsorted(eps, [interval.low for interval in column], side="right")
+        strength = np.nan_to_num(rates[np.minimum(levels, len(eps) - 1)])
+        found += [(int(level), -float(f), one) for level, f, one in zip(levels, strength, column, strict=True)]
     joined: Column = []
-    for one in sorted(interval for column in columns for interval in column):
+    for _, _, one in sorted(found):
         if joined and one.low <= joined[-1].high:
+            joined[-1] = joined[-1]._replace(low=min(one.low, joined[-1].low))
             if one.high > joined[-1].high:
                 joined[-1] = joined[-1]._replace(high=one.high, high_kind=one.high_kind)
         else:

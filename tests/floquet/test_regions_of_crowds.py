@@ -1,0 +1,65 @@
+"""Regions where many meet: nothing is drawn where little is unstable, and names are those of what is there."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import ArrayLike
+
+from floquet import Kind, Region, stability_chart, trace_regions
+from periodic import PeriodicSystem
+
+
+def crowded(seed: int, n: int) -> PeriodicSystem:
+    """Frequencies close together, all coupled by a strong excitation."""
+    rng = np.random.default_rng(seed)
+    turn = np.linalg.qr(rng.normal(size=(n, n)))[0]
+    K = turn @ np.diag(rng.uniform(1, 9 * n, n)) @ turn.T
+    F = rng.normal(size=(n, n))
+    return PeriodicSystem(np.eye(n), np.zeros((n, n)), np.zeros((n, n)), (K + K.T) / 2, [F + F.T])
+
+
+def widest(region: Region) -> tuple[float, float, float]:
+    """The left and right edge of the widest level of a region with one outline, and its eps."""
+    (loop,) = region.outlines
+    found = (0.0, 0.0, 0.0)
+    for eps in np.unique(loop.eps)[1:-1]:
+        Omega = loop.Omega[loop.eps == eps]
+        if Omega.size > 1 and np.ptp(Omega) > found[1] - found[0]:
+            found = float(Omega.min()), float(Omega.max()), float(eps)
+    return found
+
+
+@pytest.mark.parametrize(("seed", "window", "top"), [(101, (1.2, 8.4), 0.74), (106, (1.4, 12.0), 0.85)])
+def test_what_is_drawn_wide_is_unstable(seed: int, window: tuple[float, float], top: float) -> None:
+    system, tolerance = crowded(seed, 10), 1e-3 * (window[1] - window[0])
+    seen = 0
+    for region in trace_regions(system, window, (0.0, top), progress=False):
+        if len(region.outlines) > 1 or len(region.resonances) > 1:
+            continue
+        low, high, eps = widest(region)
+        if high - low > 2 * tolerance:
+            seen += 1
+            kind = stability_chart(system, np.linspace(low, high, 202)[1:-1], [eps], progress=False, audit=0).kind
+            assert (kind > Kind.STABLE).mean() > 0.4, region.label
+    assert seen >= 2
+
+
+def oscillators(stiffness: ArrayLike, excitation: ArrayLike) -> PeriodicSystem:
+    K = np.diag(np.asarray(stiffness, dtype=float))
+    zero = np.zeros_like(K)
+    return PeriodicSystem(np.eye(len(K)), zero, zero, K, [np.diag(np.asarray(excitation, dtype=float))])
+
+
+@pytest.mark.parametrize("top", [0.1, 0.5, 1.0])
+@pytest.mark.parametrize("excitation", [(1.0, 1.0), (1.0, 0.3), (0.3, 1.0)])
+def test_of_two_that_start_together_the_wider_one_gives_the_name(excitation: ArrayLike, top: float) -> None:
+    # 2 omega_1 and 2 omega_2 / 2 are the same frequency; the second region is of second order
+    regions = trace_regions(oscillators((1.0, 4.0), excitation), (1.5, 4.5), (0.0, top), progress=False)
+    assert [region.label for region in regions] == ["2ω₁", "2ω₂"]
+
+
+def test_a_higher_harmonic_opens_its_resonance_at_eps_zero() -> None:
+    system = PeriodicSystem([[1.0]], [[0.0]], [[0.0]], [[1.0]], [[[1.0]], [[0.0]], [[-0.5]]])
+    tips = {region.label: region.tip for region in trace_regions(system, (0.5, 3.0), (0.0, 0.5), progress=False)}
+    assert tips["2ω₁/3"] == pytest.approx((2 / 3, 0.0), abs=1e-6)
