@@ -246,7 +246,7 @@ def draw_growth(axes: Axes, chart: StabilityChart | None, *, colour_bar: bool = 
     axes.pcolormesh(
         chart.Omega, chart.eps, undecided, cmap="Greys", vmin=0, vmax=2, shading="nearest", rasterized=True, zorder=0
     )
-    if colour_bar:
+    if colour_bar and unstable.any():
         bar = axes.figure.colorbar(mesh, ax=axes, pad=0.01, aspect=30)
         bar.set_label("growth rate  max log|μ| / T")
         bar.outline.set_visible(False)
@@ -324,7 +324,8 @@ def label_regions(
             va="bottom",
             fontsize=8.5,
             annotation_clip=False,
-            arrowprops={"arrowstyle": "-", "lw": 0.5, "color": GREY, "shrinkA": 0, "shrinkB": 0},
+            # from below the label, so that none runs through another
+            arrowprops={"arrowstyle": "-", "lw": 0.5, "color": GREY, "shrinkA": 0, "shrinkB": 0, "relpos": (0.5, 0.0)},
         )
 
 

@@ -29,6 +29,8 @@ MODES_SHOWN = 3
 STIFFNESS_CHANGE, OVERCOMING = 0.5, 5.0
 # Frequencies below this part of the highest one belong to rigid-body motion: the square root of rounding.
 RIGID = 1e-6
+# Squares of what is beyond are no floats.
+LARGEST = 1e150
 # Regions that start beside the window, by this part of its width, may lean into it.
 NEIGHBOURS = 0.25
 # Values of eps at which a curve is looked at to see whether it is open anywhere in the window.
@@ -209,12 +211,16 @@ def default_window(system: PeriodicSystem) -> tuple[tuple[float, float], float]:
     Raises
     ------
     ValueError
-        If the system does not oscillate without excitation, so that it suggests no window.
+        If the system does not oscillate without excitation, so that it suggests no window, or its numbers are too
+        large.
     """
     scale = np.linalg.inv(np.linalg.cholesky(system.mass))
-    stiffness, velocity = (
-        scale @ matrix @ scale.T for matrix in (system.stiffness, system.gyroscopic + system.damping)
-    )
+    with np.errstate(over="ignore", invalid="ignore"):
+        stiffness, velocity = (
+            scale @ matrix @ scale.T for matrix in (system.stiffness, system.gyroscopic + system.damping)
+        )
+    if not max(np.abs(stiffness).max(), np.abs(velocity).max()) < LARGEST:
+        raise ValueError(f"stiffness or damping, divided by mass, is beyond {LARGEST:g}; change the units")
     n = system.size
     first_order = np.block([[-velocity, -stiffness], [np.eye(n), np.zeros((n, n))]])
     frequencies = np.sort(np.abs(np.linalg.eigvals(first_order)))[::2]  # they come in pairs

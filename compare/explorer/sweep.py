@@ -148,9 +148,12 @@ def sweep(
     Raises
     ------
     ValueError
-        If an argument is out of range, there is no plate at any value, or a mode has a number beyond the plate's.
+        If an argument is out of range or without effect, there is no plate at any value, or a mode has a number beyond
+        the plate's.
     """
     one_of("name", name, SWEEPABLE)
+    if name == "thickness_ratio" and plate.inplane != "dynamic":
+        raise ValueError('thickness_ratio has no effect without inplane = "dynamic"; set that in the case')
     eps = real_number("eps", eps, positive=True)
     for mode in chain(*regions):
         whole_number("regions", mode, least=1)

@@ -95,6 +95,23 @@ def test_what_integration_cannot_tell_is_no_agreement(monkeypatch: pytest.Monkey
     assert "cannot tell" in verdict.reason
 
 
+def test_strong_damping_is_no_crash_but_no_agreement() -> None:
+    # decay at 0.45 of a circle's frequency lowers that by a tenth: what is there is no 2 omega_1 of the undamped system
+    zero = np.zeros((2, 2))
+    system = PeriodicSystem(np.eye(2), zero, 0.9 * np.eye(2), np.diag([1.0, 6.0]), [np.eye(2)])
+    verdicts = {verdict.label: verdict for verdict in agreement(system, (1.5, 6.0), (0.01, 0.02, 0.04))}
+    assert not verdicts["2ω₁"].agrees
+    assert "damping moves the natural frequencies" in verdicts["2ω₁"].reason
+
+
+def test_instability_without_edges_is_not_called_closed() -> None:
+    # so near to divergence a tenth of the load makes the plate unstable at every frequency around
+    plate = MovingPlate(axial_terms=2, lateral_terms=4, speed=4.404)
+    verdicts = {verdict.label: verdict for verdict in agreement(plate, (30.0, 35.0), modes=3)}
+    assert not verdicts["ω₁+ω₃"].agrees
+    assert verdicts["ω₁+ω₃"].reason == "integration finds no edge where instability ends at eps = 0.1"
+
+
 def test_a_verdict_can_be_written_as_json() -> None:
     text = json.dumps([verdict.to_dict() for verdict in agreement(MovingPlate(**SMALL), (20.0, 30.0), modes=3)])
     assert "NaN" not in text

@@ -62,7 +62,13 @@ def test_a_variant_replaces_entries_of_the_plate(tmp_path: Path) -> None:
         ('title = "t"\n[plate.load]\nshape = "partial"', r"mine\.toml: \[plate\].*'partial'.*width"),
         ('title = "t"\n[chart]\nOmega = [5.0, 1.0]', r"mine\.toml: chart: .*Omega"),
         ('title = "t"\n[chart]\npoints = [0, 4]', r"mine\.toml: \[chart\.points\] 0"),
+        ('title = "t"\n[chart]\npoints = [1, 4]', r"mine\.toml: \[chart\.points\] 0"),
+        ('title = "t"\n[chart]\npoints = [4, 1000000000]', r"mine\.toml: \[chart\.points\] 1"),
+        ('title = "t"\n[chart]\neps = inf', r"mine\.toml: \[chart\] eps"),
+        ('title = "t"\nname = "../elsewhere"', r"mine\.toml: name: .*'\.\./elsewhere'"),
         ('title = "t"\nregions = [[1]]', r"mine\.toml: \[regions\.0\] 1"),
+        ('title = "t"\nregions = []', r"mine\.toml: regions: "),
+        ('title = "t"\nregions = [[1, 29]]', r"mine\.toml: regions names mode 29, .* 28 modes"),
         ('title = "t"\nvariants = []', r"mine\.toml: .*variants"),
         (
             'title = "t"\n[[variants]]\nlabel = "a"\nplate = {sped = 1.0}',

@@ -155,6 +155,12 @@ def test_errors_name_file_and_matrix(tmp_path: Path) -> None:
         system_subject(own_system(tmp_path / "fine.npz"), points=(1, 1))
 
 
+def test_numbers_whose_squares_overflow_are_refused(tmp_path: Path) -> None:
+    save_system(tmp_path / "huge.npz", PeriodicSystem([[1.0]], [[0.0]], [[0.0]], [[1e308]], [[[1.0]]]))
+    with pytest.raises(ValueError, match=r"huge\.npz: stiffness or damping, .* change the units"):
+        own_system(tmp_path / "huge.npz")
+
+
 def test_a_system_that_cannot_oscillate_says_so(tmp_path: Path) -> None:
     zero = np.zeros((1, 1))
     save_system(tmp_path / "free.npz", PeriodicSystem([[1.0]], zero, zero, zero, [[[1.0]]]))

@@ -87,6 +87,7 @@ def test_data_and_picture_are_written(tmp_path: Path) -> None:
         ({"values": [2.0, 1.0]}, "values is not strictly increasing"),
         ({"values": [1.0, np.nan]}, "values has the entry nan"),
         ({"values": []}, "values is empty"),
+        ({"name": "thickness_ratio", "values": [0.01, 0.02]}, "thickness_ratio has no effect without"),
         ({"eps": 0.0}, "eps = 0.0"),
         ({"regions": [(1, 5)]}, "mode 5; the plate has 4 modes"),
         ({"regions": [(1, 0)]}, "regions = 0 is out of range"),

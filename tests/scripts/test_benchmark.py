@@ -154,6 +154,14 @@ def test_tables_go_between_the_marks(script: ModuleType, tmp_path: Path, monkeyp
         assert part in text
 
 
+def test_a_page_without_marks_is_left_alone(script: ModuleType, tmp_path: Path) -> None:
+    for text in (f"before\n{script.BEGIN}\nold\nafter\n", "no marks\n"):
+        (tmp_path / "page.md").write_text(text, encoding="utf-8")
+        with pytest.raises(SystemExit):  # before anything is measured
+            script.main(["--quick", "--output", str(tmp_path / "page.md")])
+        assert (tmp_path / "page.md").read_text(encoding="utf-8") == text
+
+
 @pytest.mark.parametrize(("ratio", "status"), [(0.1, 0), (1e9, 1)])
 def test_check_compares_with_the_limits(script: ModuleType, monkeypatch, capsys, ratio: float, status: int) -> None:
     monkeypatch.setattr(benchmark, "regression", lambda: dict.fromkeys(benchmark.LIMITS, ratio))

@@ -117,6 +117,7 @@ def test_a_sweep(run: Run, tmp_path: Path) -> None:
         (["--system", "pair.npz", "--order", 3], "--order"),
         (["--system", "pair.npz", "--jobs", 0], "'0' is no number of workers"),
         (["--system", "pair.npz", "--sweep", "speed=0:1:2"], "--sweep changes a parameter of the plate"),
+        (["--all-modes"], "--all-modes belongs to a system"),
         (["--sweep", "speed=0:1"], "is not NAME=LOW:HIGH:COUNT"),
         (["--sweep", "speed=0:1:1000000000"], "asks for 1000000000 values; give 2 to 1000"),
         (["--sweep", "speed=0:1:-3"], "is not NAME=LOW:HIGH:COUNT"),

@@ -36,6 +36,18 @@ def test_a_case_goes_from_plate_to_picture(case: Path, tmp_path: Path, capsys: p
     assert not [path for path in output.iterdir() if path.name.startswith(".")]
 
 
+def test_a_title_is_no_mathematics(case: Path, tmp_path: Path) -> None:
+    text = case.read_text(encoding="utf-8").replace("A small plate", "costs 5$ and a $b^{2$")
+    case.write_text(text, encoding="utf-8")
+    assert main(["--case", str(case), "--quick", "--no-progress", "--output", str(tmp_path / "out")]) == 0
+
+
+def test_a_window_without_regions_is_refused(case: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    case.write_text(case.read_text(encoding="utf-8").replace("[15.0, 28.0]", "[1.0, 2.0]"), encoding="utf-8")
+    assert main(["--case", str(case), "--quick", "--no-progress", "--output", str(tmp_path / "out")]) == 2
+    assert "none of the regions between the 2 lowest modes starts in the window" in capsys.readouterr().err
+
+
 def test_a_wrong_case_is_one_clear_line_and_status_two(
     case: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -150,6 +162,7 @@ def test_a_system_that_theory_gets_wrong_is_status_one(tmp_path: Path, monkeypat
         (["--system", "one.npz", "--modes", "0"], "modes = 0"),
         (["--system", "one.npz", "--system", "one.npz"], "two of the files are called 'one'"),
         (["--eps", "1"], "--eps belongs to a system"),
+        (["--all-modes"], "--all-modes belongs to a system"),
     ],
 )
 def test_wrong_systems_are_one_sentence_and_write_nothing(
