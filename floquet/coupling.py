@@ -34,6 +34,8 @@ FURTHER = 2
 NEAREST = 1e-3
 # Frequencies that agree to this part of themselves are those of one mode.
 SAME = 1e-8
+# A decay rate below this part of the fastest rate is the rounding of a mode without damping.
+NO_DECAY = 1e-12
 # How much wider than estimated a region may be, or how much less damped, to be looked for all the same.
 DOUBT = 2.0
 # Eigenvectors of the free motion with a larger condition number are parallel but for rounding. This part of the fastest
@@ -110,7 +112,8 @@ def candidates(system: PeriodicSystem, names: Sequence[Name], eps: float) -> lis
 
 def _balance(block: Block, first: ComplexArray, second: ComplexArray) -> FloatArray:
     """Return the ``balance`` of `Candidate`, 1 where a mode is not damped."""
-    damped = (first.real < 0) & (second.real < 0) & (not (block.symplectic or block.reversible))
+    slightest = -NO_DECAY * block.rate
+    damped = (first.real < slightest) & (second.real < slightest) & (not (block.symplectic or block.reversible))
     product, total = first.real * second.real, first.real + second.real
     return np.asarray(np.where(damped, 2 * np.sqrt(np.abs(product)) / np.where(damped, -total, 1.0), 1.0))
 

@@ -25,8 +25,9 @@ SIGNS = {"sum": 1.0, "difference": -1.0}
 PREFERENCE = 100.0
 # Relative distance below which `near` agrees with a resonance.
 AGREEMENT = 1e-9
-# Motion slower than this part of the fastest is no oscillation.
-SLOWEST = 1e-9
+# Motion slower than this part of the fastest is no oscillation: the exponents of a free or critically damped mode are
+# off by the square root of rounding.
+SLOWEST = 1e-7
 
 
 class NoResonanceError(ValueError):

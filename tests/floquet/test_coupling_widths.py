@@ -105,6 +105,21 @@ def test_a_third_mode_with_a_single_eigenvector(stiffness: float, damping: float
         assert widths(0.0) == pytest.approx(widths(1e-3), rel=1e-2)
 
 
+def test_modes_without_damping_in_a_damped_block_are_undamped() -> None:
+    # their exponents have rounding for a decay: of one mode sometimes much more than of the other
+    zero, F = np.zeros((5, 5)), np.full((5, 5), 0.1)
+    F[1, 2] = F[2, 1] = 1.0
+    for seed in range(60):
+        turn = np.linalg.qr(np.random.default_rng(seed).standard_normal((5, 5)))[0]
+        C, K, F_turned = (
+            turn @ A @ turn.T for A in (np.diag([0.4, 0, 0, 0, 0]), np.diag([2.0, 4.0, 9.0, 15.0, 22.0]), F)
+        )
+        system = PeriodicSystem(np.eye(5), zero, C, K, [F_turned])
+        (one,) = [one for one in candidates(system, resonances(system, 4.9, 5.1), 0.05) if one.name.j == 1]
+        assert one.balance == 1.0
+        assert one.width == pytest.approx(0.05 / np.sqrt(6), rel=0.01)  # eps F_23 / sqrt(omega_2 omega_3)
+
+
 def test_unequal_damping_makes_a_combination_resonance_wider() -> None:
     damping = (0.002, 0.018)
     system = coupled_mathieu("sum", damping=damping)

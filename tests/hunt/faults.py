@@ -52,7 +52,7 @@ FAULTS = (
     Fault(
         "the rotor misses its centrifugal term",
         "periodic/examples.py",
-        "np.diag(k - spin**2)",
+        "np.diag(k - spin * spin)",
         "np.diag(k)",
         "periodic/test_examples.py",
     ),
@@ -245,8 +245,8 @@ FAULTS = (
     Fault(
         "decay in proportion to omega",
         "perturb/modes.py",
-        'self.frequencies**2 * np.einsum("in,ij,jn->n", self',
-        'self.frequencies * np.einsum("in,ij,jn->n", self',
+        "self.frequencies**2 * _forms(self.vectors",
+        "self.frequencies * _forms(self.vectors",
         "perturb/test_modes.py",
     ),
     Fault(
@@ -393,9 +393,23 @@ FAULTS = (
     Fault(
         "narrow regions go on within wide ones",
         "floquet/branches.py",
-        "free = (home < 0) & (upper >= window[0])",
-        "free = upper >= window[0]",
+        "met & (home < 0)",
+        "met",
         "floquet/test_branches.py",
+    ),
+    Fault(
+        "blocks of a family in an order of chance",
+        "floquet/split.py",
+        "return sorted(found, key=lambda basis: float(np.linalg.norm(direction @ basis)))",
+        "return found",
+        "floquet/test_split.py",
+    ),
+    Fault(
+        "rounding taken for damping",
+        "floquet/coupling.py",
+        "slightest = -NO_DECAY * block.rate",
+        "slightest = 0.0",
+        "floquet/test_coupling_widths.py",
     ),
     Fault(
         "instability with a third mode taken for that of two",
@@ -535,7 +549,11 @@ FAULTS = (
         AGREEMENT,
     ),
     Fault(
-        "what cannot be told counts as agreement", "compare/agreement.py", "if undecided.any():", "if False:", AGREEMENT
+        "what cannot be told counts as agreement",
+        "compare/agreement.py",
+        "kind == Kind.UNDECIDED,",
+        "kind > 9,",
+        AGREEMENT,
     ),
     Fault(
         "damping the same on every rung",
