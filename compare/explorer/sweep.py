@@ -13,9 +13,10 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 from tqdm import tqdm
 
+from compare.agreement import traced_curve
 from compare.explorer.variation import SWEEPABLE, varied
 from compare.files.cases import Plate
-from floquet import Kind, monodromy, trace_boundary
+from floquet import Kind, monodromy
 from floquet.parallel import gather
 from periodic.checks import FloatArray, grid, one_of, real_number, whole_number
 from perturb import TransitionCurve, gyroscopic_modes, transition_curves
@@ -46,7 +47,8 @@ class RegionSweep:
         By theory, at the sweep's eps; 0 where the region is closed.
     traced_centre, traced_width, traced_tip : ndarray, shape (k,)
         By integration: middle of the two edges at the sweep's eps (NaN where closed), their distance (0 where closed),
-        and threshold (NaN without damping, above 1, or where there is none near the one of theory).
+        and threshold (NaN without damping, above 1, or where there is none near the one of theory). All are NaN where
+        damping moves the frequencies by more than a few per cent.
     """
 
     label: str
@@ -202,8 +204,10 @@ def _row(curves: Sequence[TransitionCurve], eps: float, points: FloatArray) -> R
 
 
 def _trace(family: MovingPlate, curve: TransitionCurve, eps: float) -> tuple[float, float, float]:
-    """Return centre, width and threshold of a region by integration."""
-    trace = trace_boundary(family, curve.centre, eps, kind=curve.kind, j=curve.j)
+    """Return centre, width and threshold of a region by integration; NaN where it is not that of the curve any more."""
+    trace = traced_curve(family, curve, eps)
+    if trace is None:
+        return float("nan"), float("nan"), float("nan")
     closed = float("nan") if trace.kind[0] == Kind.UNDECIDED else 0.0
     lower, upper = float(trace.lower[0]), float(trace.upper[0])
     centre, width = (0.5 * (lower + upper), upper - lower) if trace.is_open[0] else (float("nan"), closed)
@@ -214,8 +218,8 @@ def _traced_tip(family: MovingPlate, curve: TransitionCurve) -> float:
     """Return the eps at which the largest multiplier leaves the unit circle on the region's centre line."""
     if not 0 < curve.tip < MOST_TIP:
         return float("nan")
-    trace = trace_boundary(family, curve.centre, ABOVE_TIP * curve.tip, kind=curve.kind, j=curve.j)
-    Omega = 0.5 * float(trace.lower[0] + trace.upper[0])
+    trace = traced_curve(family, curve, ABOVE_TIP * curve.tip)
+    Omega = float("nan") if trace is None else 0.5 * float(trace.lower[0] + trace.upper[0])
     if not np.isfinite(Omega):
         return float("nan")
 

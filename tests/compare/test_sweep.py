@@ -45,6 +45,12 @@ def test_thresholds_grow_with_damping_and_are_where_the_multipliers_leave_the_ci
     assert monodromy(plate, Omega, 0.97 * tip).growth_rate < 0 < monodromy(plate, Omega, 1.03 * tip).growth_rate
 
 
+def test_damping_that_moves_the_frequencies_leaves_no_traced_points() -> None:
+    (region,) = sweep(SMALL, "damping", [0.0, 1e-4, 0.1], [(2, 2)], eps=0.1, n_jobs=1).regions
+    assert np.isfinite(region.traced_width[:2]).all()
+    assert np.isnan([region.traced_centre[2], region.traced_width[2], region.traced_tip[2]]).all()
+
+
 def test_speeds_above_divergence_are_left_out_and_said_so() -> None:
     V_cr = SMALL.build().critical_speed()
     values = np.array([0.0, 0.5, 1.1, 1.3]) * V_cr
