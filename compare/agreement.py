@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from tqdm import tqdm
 
 from floquet import BoundaryTrace, Kind, trace_boundary
@@ -185,10 +185,7 @@ def _judge(rungs: list[_DampingScaled], curves: list[TransitionCurve], eps: Floa
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.where(width > RESOLUTION * last.centre, traced_width / width, np.nan)
     fitted = np.array([fitted_order(eps, edge) for edge in gap])
-    agrees, reason = False, ""
-    for trouble, rungs_with in _troubles(traces).items():
-        if rungs_with.any() and not reason:
-            reason = f"{trouble} at eps = {_listed(eps[rungs_with])}"
+    agrees, reason = False, _trouble(traces, eps)
     if not reason:
         agrees, reason = _verdict(eps, analytic, traced, fitted, order, RESOLUTION * last.centre)
     return RegionAgreement(
@@ -219,16 +216,17 @@ def traced_curve(family: SystemFamily, curve: TransitionCurve, eps: ArrayLike) -
         return None
 
 
-def _troubles(traces: list[BoundaryTrace | None]) -> dict[str, NDArray[np.bool_]]:
-    """Return on which rungs there is nothing that the edges of theory could be held against, and why."""
+def _trouble(traces: list[BoundaryTrace | None], eps: FloatArray) -> str:
+    """Return why, and where, there is nothing that the edges of theory could be held against; "" if there is."""
     missing = np.array([trace is None for trace in traces])
     kind = np.array([Kind.STABLE if trace is None else trace.kind[0] for trace in traces])
     edges = _stack(traces, "lower", "upper")
-    return {
+    reasons = {
         "damping moves the natural frequencies by more than first order allows": missing,
         "integration cannot tell this region from others": kind == Kind.UNDECIDED,
         "integration finds no edge where instability ends": (kind > Kind.STABLE) & np.isnan(edges).any(axis=0),
     }
+    return next((f"{reason} at eps = {_listed(eps[rungs])}" for reason, rungs in reasons.items() if rungs.any()), "")
 
 
 def _listed(values: FloatArray) -> str:

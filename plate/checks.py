@@ -12,6 +12,8 @@ from periodic.checks import FloatArray, grid, real_number, whole_number
 # Beyond these a plate is a beam or a string, and the smallest stiffness drowns in the rounding of the largest.
 ASPECT_RATIOS = (1e-3, 1e3)
 THICKNESS_RATIOS = (0.0, 1.0)
+
+# Its square, times anything of a plate, is still a float.
 HIGHEST_FREQUENCY = 1e100
 
 # More trial functions than any study needs; the limits keep a slip from filling the memory.

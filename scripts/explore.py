@@ -20,7 +20,7 @@ from compare.explorer.response import responses
 from compare.explorer.sweep import sweep
 from compare.explorer.sweep_picture import sweep_picture
 from compare.explorer.variation import SWEEPABLE, plate_table
-from compare.files.cases import Plate, load_case
+from compare.files.cases import STANDARD_REGIONS, Plate, load_case
 from compare.files.publish import staged
 from compare.own_system import own_system
 from floquet.checkpoint import BlockStore
@@ -43,7 +43,6 @@ lowest modes. The exit status is 0 if everything was written and 2 if the input 
 
 {running.EPILOG}"""
 STANDARD_NAME, STANDARD_TITLE = "plate", "Standard plate: a/b = 1, ν = 0.3, V = 3, f₀ = 10"
-STANDARD_REGIONS = [(1, 1), (2, 2), (3, 3), (1, 2), (1, 3), (2, 3)]
 CHART_OPTIONS = ("points", "html", "netcdf", "no_regions")
 SWEEP_EPS, MOST_VALUES = 0.1, 1000
 

@@ -48,12 +48,11 @@ class _Steady:
 
 def steady_output() -> None:
     """Let nothing that becomes of the output stop the work: that it has no Greek letters, or that nobody reads it."""
-    for stream in (sys.stdout, sys.stderr):
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="replace")
-    for name in ("stdout", "stderr"):
-        if isinstance(getattr(sys, name), TextIOWrapper):
-            setattr(sys, name, _Steady(getattr(sys, name)))
+            setattr(sys, name, _Steady(stream))
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

@@ -20,6 +20,8 @@ Points = Annotated[int, Field(ge=2, le=MOST_POINTS)]
 # It begins the names of the files of a result, which stay in its folder.
 FileName = Annotated[str, Field(pattern=r"^[^/\\\x00-\x1f]*$", max_length=100)]
 
+# The paper's: between its three lowest modes.
+STANDARD_REGIONS = [(1, 1), (2, 2), (3, 3), (1, 2), (1, 3), (2, 3)]
 # As many as the pictures have colours that every reader can tell apart.
 MOST_VARIANTS = 4
 
@@ -100,14 +102,7 @@ class Case(_Table):
     compare: Literal["within", "beside"] = "within"
     plate: Plate = Plate()
     chart: Chart = Chart()
-    regions: Annotated[list[tuple[PositiveInt, PositiveInt]], Field(min_length=1)] = [
-        (1, 1),
-        (2, 2),
-        (3, 3),
-        (1, 2),
-        (1, 3),
-        (2, 3),
-    ]
+    regions: Annotated[list[tuple[PositiveInt, PositiveInt]], Field(min_length=1)] = STANDARD_REGIONS
     variants: list[Variant] = [Variant(label="")]
 
     @model_validator(mode="after")
