@@ -8,8 +8,8 @@ PYTHON ?= python3
 BIN := .venv/bin
 ARGS ?=
 
-# Numba's cache does not notice an edited callee in another file: a cache folder for each state of the kernels.
-export NUMBA_CACHE_DIR := $(CURDIR)/.numba_cache/$(shell cat floquet/*.py | sha256sum | cut -c1-16)
+# Numba's cache does not notice an edited callee in another file: a cache folder for each state of the code.
+export NUMBA_CACHE_DIR := $(CURDIR)/.numba_cache/$(shell $(PYTHON) floquet/running/source.py | cut -c1-16)
 # Workers take the cores; BLAS must not take them again.
 export OPENBLAS_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
@@ -36,7 +36,7 @@ lint: .venv/.ready-test
 
 # Some machines tell BLAS to take an older processor's kernels, which halves the speed of its products.
 benchmark: .venv/.ready-bench
-	env -u OPENBLAS_CORETYPE $(BIN)/python scripts/benchmark.py $(ARGS)
+	env -u OPENBLAS_CORETYPE $(BIN)/python -m benchmarks $(ARGS)
 
 docs: .venv/.ready-docs
 	$(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet docs site $(ARGS)

@@ -1,6 +1,6 @@
 """Theory against integration: agreement in numbers, overlays in pictures."""
 
-from compare.agreement import RegionAgreement, agreement
-from compare.overlay import overlay
+from compare.pictures import overlay
+from compare.verdicts import RegionAgreement, agreement
 
 __all__ = ["RegionAgreement", "agreement", "overlay"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from floquet.audit import ChartAudit
+from floquet.chart.audit import ChartAudit
 
 
 def audit_sentence(audit: ChartAudit | None) -> str:

@@ -1,10 +1,10 @@
 """Stability from Floquet multipliers: one point, charts, and boundaries by root-finding."""
 
-from floquet.boundary import BoundaryTrace, trace_boundary
-from floquet.chart import StabilityChart, stability_chart
-from floquet.monodromy import Monodromy, monodromy
-from floquet.multipliers import Kind
-from floquet.regions import Region, trace_regions
+from floquet.boundary.boundary import BoundaryTrace, trace_boundary
+from floquet.chart.chart import StabilityChart, stability_chart
+from floquet.kind import Kind
+from floquet.oracle.point import Monodromy, monodromy
+from floquet.regions.regions import Region, trace_regions
 
 __all__ = [
     "BoundaryTrace",

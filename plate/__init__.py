@@ -4,6 +4,6 @@ from plate.distribution import Distribution
 from plate.dynamic import InPlaneResonanceWarning
 from plate.inplane import StressField
 from plate.loads import EdgeLoad
-from plate.parameters import MovingPlate
+from plate.moving_plate import MovingPlate
 
 __all__ = ["Distribution", "EdgeLoad", "InPlaneResonanceWarning", "MovingPlate", "StressField"]

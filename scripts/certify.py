@@ -58,7 +58,7 @@ def main(arguments: list[str] | None = None) -> int:
     running.steady_output()
     options = _parser().parse_args(arguments)
     try:
-        from floquet.certified import Verdict, certified_growth
+        from floquet.certified.growth import Verdict, certified_growth
 
         systems = _systems(options)
         decided = True

@@ -22,8 +22,8 @@ from compare.explorer.sweep_picture import sweep_picture
 from compare.explorer.variation import SWEEPABLE, plate_table
 from compare.files.cases import STANDARD_REGIONS, Plate, load_case
 from compare.files.publish import staged
-from compare.own_system import own_system
-from floquet.checkpoint import BlockStore
+from compare.study.own_system import own_system
+from floquet.chart.checkpoint import BlockStore
 from floquet_scripts import running
 from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import one_of

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from compare.cluster import workers_at
-from floquet.checkpoint import BlockStore
+from floquet.chart.checkpoint import BlockStore
 
 UNFINISHED = ".unfinished"
 ALL_MODES = "integrate every mode of a large model, also those far above the window, which takes much longer"

@@ -12,10 +12,10 @@ from compare.claims import ClaimVerdict, judge_claims
 from compare.explorer.exploration import MODES_SHOWN
 from compare.files.cases import load_case, shipped_cases
 from compare.files.publish import staged
-from compare.own_system import POINTS, own_system, system_subject
-from compare.report import write_report
-from compare.study import CaseStudy, Subject, run_case
-from floquet.checkpoint import BlockStore
+from compare.study.own_system import POINTS, own_system, system_subject
+from compare.study.report import write_report
+from compare.study.study import CaseStudy, Subject, run_case
+from floquet.chart.checkpoint import BlockStore
 from floquet_scripts import running
 
 EPILOG = f"""\

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
+import runpy
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -12,12 +12,12 @@ from typing import Any
 import pytest
 from hypothesis import settings
 
-ROOT = Path(__file__).resolve().parent.parent
+from tests.paths import ROOT
 
-# Numba's cache does not notice an edited callee in another file: a cache folder for each state of the kernels, the
+# Numba's cache does not notice an edited callee in another file: a cache folder for each state of the code, the
 # same as the Makefile's. This runs before any test imports numba.
-_kernels = b"".join(path.read_bytes() for path in sorted((ROOT / "floquet").glob("*.py")))
-os.environ.setdefault("NUMBA_CACHE_DIR", str(ROOT / ".numba_cache" / hashlib.sha256(_kernels).hexdigest()[:16]))
+_source_hash = runpy.run_path(str(ROOT / "floquet" / "running" / "source.py"))["source_hash"]
+os.environ.setdefault("NUMBA_CACHE_DIR", str(ROOT / ".numba_cache" / _source_hash()[:16]))
 for _name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
     os.environ.setdefault(_name, "1")
 

@@ -21,7 +21,7 @@ from compare.claims.regions import (
 )
 from compare.claims.survey import QUICK_RANGE, ClaimRange
 from compare.claims.trends import damping_shrinks, longer_plate_shrinks, narrower_load_shrinks
-from floquet.parallel import gather
+from floquet.running.parallel import gather
 
 __all__ = ["CLAIMS", "ClaimRange", "ClaimVerdict", "Verdict", "judge_claims"]
 

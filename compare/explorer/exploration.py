@@ -14,10 +14,10 @@ import numpy as np
 from compare.audit import audit_sentence
 from compare.explorer.outlines import LEVELS, draw_outlines
 from compare.files.cases import MOST_POINTS
-from compare.overlay import overlay
+from compare.pictures import overlay
 from floquet import Region, StabilityChart, stability_chart, trace_regions
-from floquet.checkpoint import BlockStore
-from floquet.outline import largest_width
+from floquet.chart.checkpoint import BlockStore
+from floquet.regions.outlines import largest_width
 from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import FloatArray, interval, one_of, real_number, whole_number
 from perturb import TransitionCurve, transition_curves

@@ -7,8 +7,8 @@ from math import ceil, log10
 
 from compare.explorer.outlines import LEVELS
 from floquet import Region
-from floquet.names import Name
-from floquet.outline import largest_width
+from floquet.regions.naming import Name
+from floquet.regions.outlines import largest_width
 
 # At large eps there are a hundred regions, most of them narrower than a line of the picture: these many fit a screen.
 MOST_LINES = 20

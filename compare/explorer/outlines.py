@@ -9,9 +9,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from compare.overlay import STYLE, THEORY, legend_handles
+from compare.pictures import STYLE, THEORY, legend_handles
 from floquet import Region, StabilityChart
-from floquet.outline import Loop, largest_width
+from floquet.regions.outlines import Loop, largest_width
 from periodic.checks import FloatArray
 
 LINE_WIDTH = 1.0

@@ -40,7 +40,7 @@ from bokeh.resources import INLINE
 from compare.explorer.exploration import Exploration
 from compare.explorer.page_data import cell_data, curve_data, label_data, outline_data, point_data
 from compare.explorer.response import Response
-from compare.overlay import BLUE, GREEN, GREY, ORANGE, PURPLE
+from compare.pictures import BLUE, GREEN, GREY, ORANGE, PURPLE
 from floquet import Kind
 
 SCRIPT = (Path(__file__).parent / "page.js").read_text(encoding="utf-8")

@@ -13,11 +13,11 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 from tqdm import tqdm
 
-from compare.agreement import traced_curve
 from compare.explorer.variation import SWEEPABLE, varied
 from compare.files.cases import Plate
+from compare.verdicts import traced_curve
 from floquet import Kind, monodromy
-from floquet.parallel import gather
+from floquet.running.parallel import gather
 from periodic.checks import FloatArray, grid, one_of, real_number, whole_number
 from perturb import TransitionCurve, gyroscopic_modes, transition_curves
 from plate import MovingPlate

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from compare.explorer.sweep import MOST_TIP, Sweep
-from compare.overlay import BLUE, GREEN, GREY, ORANGE, PURPLE, STYLE, new_figure
+from compare.pictures import BLUE, GREEN, GREY, ORANGE, PURPLE, STYLE, new_figure
 
 # Okabe and Ito's colours that stand out from white.
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, "#E69F00", "#56B4E9", "#000000")

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
-from strategies import random_system
 
 from periodic import PeriodicSystem
+from tests.strategies import random_system
 
 __all__ = ["dop853", "first_order", "random_system"]
 

@@ -1,6 +1,6 @@
 """Damaged input files: how they are made, and what a reader may make of them. Run by `test_fuzz.py` in child processes.
 
-Every input follows from its number alone, so that `python tests/hunt/fuzz.py 4711 4712 1 FOLDER` shows one again.
+Every input follows from its number alone, so that `python -m tests.hunt.fuzz 4711 4712 1 FOLDER` shows one again.
 """
 
 from __future__ import annotations
@@ -22,17 +22,15 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy.io
 import scipy.sparse
-from damage import BYTES, TEXT, Random
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT)]
-
-from compare.files.cases import Plate, load_case  # noqa: E402
-from compare.files.matrices import FIELDS, load_system  # noqa: E402
-from floquet import monodromy  # noqa: E402
-from periodic import PeriodicSystem  # noqa: E402
-from periodic.examples import coupled_mathieu, gyroscopic_rotor, meissner  # noqa: E402
-from scripts import explore, validate  # noqa: E402
+from compare.files.cases import Plate, load_case
+from compare.files.matrices import FIELDS, load_system
+from floquet import monodromy
+from periodic import PeriodicSystem
+from periodic.examples import coupled_mathieu, gyroscopic_rotor, meissner
+from scripts import explore, validate
+from tests.hunt.damage import BYTES, TEXT, Random
+from tests.paths import ROOT
 
 SECONDS = 300  # for one input: one that is a system after all may compute for a while, on a busy machine
 MEMORY = 2**31  # bytes that it may ask for beyond what the process has; a chart of 64 harmonics takes half of it
@@ -48,6 +46,7 @@ OF_THE_WHOLE_FILE = "|".join(
         "no .mtx",
     ]
 )
+
 STIFF = 1e3  # rate of the fastest motion, from which on a chart of ordinary frequencies takes minutes
 SAMPLE = 25  # every so many inputs the command line is tried as well
 

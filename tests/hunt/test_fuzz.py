@@ -7,7 +7,7 @@ Inputs are made and tried in child processes (`fuzz.py`), which may die without 
 from __future__ import annotations
 
 import json
-import shutil
+import os
 import subprocess
 import sys
 from collections import Counter
@@ -18,6 +18,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+
+from tests.paths import ROOT
 
 FUZZ = Path(__file__).with_name("fuzz.py")
 CHILDREN = 2
@@ -36,7 +38,7 @@ def tried(numbers: range, folder: Path) -> list[Outcome]:
     outcomes: list[Outcome] = []
     while numbers:
         command = [sys.executable, str(FUZZ), *map(str, (numbers.start, numbers.stop, numbers.step)), str(folder)]
-        child = subprocess.run(command, capture_output=True, text=True)
+        child = subprocess.run(command, capture_output=True, text=True, env=os.environ | {"PYTHONPATH": str(ROOT)})
         lines = child.stdout.splitlines()
         for begun, ended in zip(lines[::2], lines[1::2], strict=False):
             outcomes.append(Outcome(int(begun), *json.loads(ended)))
@@ -91,12 +93,11 @@ FAILING = {
 @pytest.mark.parametrize("name", FAILING)
 def test_the_hunt_finds_what_it_hunts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     code, wanted = FAILING[name]
-    source = FUZZ.read_text(encoding="utf-8").replace("Path(__file__)", f"Path({str(FUZZ)!r})", 1)
+    source = FUZZ.read_text(encoding="utf-8")
     before = "if __name__"
     assert source.count(f"\n{before}") == 1
     spoiled = f"SECONDS = 3\ndef load_system(path):\n    {code}\nload_case = load_system\n\n{before}"
     script = tmp_path / "fuzz.py"
     script.write_text(source.replace(before, spoiled), encoding="utf-8")
-    shutil.copy(FUZZ.with_name("damage.py"), tmp_path)
     monkeypatch.setattr(sys.modules[__name__], "FUZZ", script)
     assert wanted in faults(tried(range(1, 2), tmp_path))

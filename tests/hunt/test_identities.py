@@ -17,12 +17,12 @@ import pytest
 import scipy.linalg as sla
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from strategies import amplitudes, arrays, frequencies, join, plates, seeds, systems, transformed
 
 from floquet import Kind, monodromy, stability_chart
 from periodic import PeriodicSystem
 from plate import MovingPlate
 from plate.distribution import Distribution
+from tests.strategies import amplitudes, arrays, frequencies, join, plates, seeds, systems, transformed
 
 some = settings(
     max_examples=20, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much]

@@ -13,9 +13,10 @@ from pathlib import Path
 from queue import SimpleQueue
 
 import pytest
-from faults import FAULTS, Fault
 
-ROOT = Path(__file__).resolve().parents[2]
+from tests.hunt.faults import FAULTS, Fault
+from tests.paths import ROOT
+
 TREE = ("periodic", "plate", "perturb", "floquet", "compare", "scripts", "cases", "tests", "docs", "pyproject.toml")
 WORKERS = 2
 # A fault that makes its tests hang is not caught: whoever makes it would wait.

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from perturb_oracles import (
-    hill_edges,
-)
 
 from perturb import TransitionCurve, transition_curves
+from tests.perturb.perturb_oracles import (
+    hill_edges,
+)
 
 EVERYTHING = (0.0, 1e6)
 

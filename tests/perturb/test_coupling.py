@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from perturb_oracles import changed, congruent, random_system
 
 from periodic import PeriodicSystem
 from perturb import gyroscopic_modes
 from perturb.coupling import amplitude, block_form, closed_form, products
 from perturb.modes import modal_blocks
+from tests.perturb.perturb_oracles import changed, congruent, random_system
 
 seeds = st.integers(0, 10**6)
 kinds = st.sampled_from(["sum", "difference"])

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from perturb_oracles import changed, congruent, moving_string, random_system
 
 from periodic import PeriodicSystem
 from periodic.examples import gyroscopic_rotor, mathieu
 from perturb import gyroscopic_modes
 from perturb.modes import modal_blocks
+from tests.perturb.perturb_oracles import changed, congruent, moving_string, random_system
 
 seeds = st.integers(0, 10**6)
 few = settings(deadline=None, max_examples=15)

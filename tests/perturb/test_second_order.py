@@ -6,7 +6,16 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from perturb_oracles import (
+from scipy.optimize import brentq
+from scipy.special import mathieu_a, mathieu_b
+
+from floquet import trace_boundary
+from periodic import PeriodicSystem
+from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu, meissner
+from perturb import gyroscopic_modes, transition_curves
+from perturb.expansion import effective_block, modal_couplings
+from plate import MovingPlate
+from tests.perturb.perturb_oracles import (
     changed,
     congruent,
     fitted_order,
@@ -15,16 +24,7 @@ from perturb_oracles import (
     hill_growth,
     random_system,
 )
-from scipy.optimize import brentq
-from scipy.special import mathieu_a, mathieu_b
-from second_order_oracles import EVERYTHING, curves, gaps
-
-from floquet import trace_boundary
-from periodic import PeriodicSystem
-from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu, meissner
-from perturb import gyroscopic_modes, transition_curves
-from perturb.expansion import effective_block, modal_couplings
-from plate import MovingPlate
+from tests.perturb.second_order_oracles import EVERYTHING, curves, gaps
 
 # --- Mathieu ---------------------------------------------------------------------------------------------------------
 

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from perturb_oracles import (
+
+from periodic import PeriodicSystem
+from perturb import gyroscopic_modes
+from perturb.expansion import LARGEST_BLOCK, NEAR, modal_couplings
+from tests.perturb.perturb_oracles import (
     congruent,
     fitted_order,
     hill_edges,
     hill_growth,
     random_system,
 )
-from second_order_oracles import curves, gaps
-
-from periodic import PeriodicSystem
-from perturb import gyroscopic_modes
-from perturb.expansion import LARGEST_BLOCK, NEAR, modal_couplings
+from tests.perturb.second_order_oracles import curves, gaps
 
 
 @pytest.mark.parametrize(

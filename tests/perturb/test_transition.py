@@ -8,12 +8,20 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from perturb_oracles import changed, congruent, fitted_order, hill_edges, hill_growth, moving_string, random_system
 
 from periodic import PeriodicSystem
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu, meissner
 from perturb import TransitionCurve, gyroscopic_modes, transition_curves
 from plate import MovingPlate
+from tests.perturb.perturb_oracles import (
+    changed,
+    congruent,
+    fitted_order,
+    hill_edges,
+    hill_growth,
+    moving_string,
+    random_system,
+)
 
 few = settings(deadline=None, max_examples=20)
 seeds = st.integers(0, 10**6)

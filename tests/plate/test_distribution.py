@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from numpy.polynomial import Legendre
-from plate_oracles import distributions, numbers
 from scipy.integrate import quad
 
 from plate import Distribution, EdgeLoad
+from tests.plate.plate_oracles import distributions, numbers
 
 TERMS = 9
 

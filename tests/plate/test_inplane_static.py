@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from plate_oracles import modes
 
 from plate import EdgeLoad, MovingPlate, transverse
 from plate.basis import gauss_legendre
 from plate.inplane import InPlaneProblem
+from tests.plate.plate_oracles import modes
 
 LOADS = {"uniform": EdgeLoad.uniform(), "middle half": EdgeLoad.partial(0.5), "oblique": EdgeLoad.linear(0.2, 1.8)}
 CASES = {

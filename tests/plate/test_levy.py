@@ -11,7 +11,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
-from plate_oracles import distributions
 from scipy.special import expn, zeta
 
 import plate.levy
@@ -19,6 +18,7 @@ from plate import Distribution, EdgeLoad, transverse
 from plate.basis import gauss_legendre
 from plate.inplane import InPlaneProblem
 from plate.levy import exponential_integral, smoothed, static_stresses, sum_of_tail
+from tests.plate.plate_oracles import distributions
 
 LOADS = {
     "uniform": EdgeLoad.uniform().static,

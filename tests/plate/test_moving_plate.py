@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from plate_oracles import modes
 from scipy.linalg import eigh
 
 from plate import EdgeLoad, MovingPlate
+from tests.plate.plate_oracles import modes
 
 
 def case(key: str) -> dict[str, float]:

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from periodic.examples import mathieu
+from tests.paths import ROOT
 
 pytest.importorskip("flint", reason="python-flint, the extra certify, is not installed")
 
-ROOT = Path(__file__).resolve().parents[2]
 Run = Callable[..., tuple[int, str, str]]
 
 

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from finite_elements import column
-from small_case import SMALL_CASE
 
 from compare.files.matrices import save_system
 from floquet import StabilityChart, stability_chart
 from floquet_scripts import explore
 from periodic.examples import coupled_mathieu, mathieu
+from tests.finite_elements import column
+from tests.small_case import SMALL_CASE
 
 VARIANTS = """
 [[variants]]

@@ -20,6 +20,7 @@ from floquet import StabilityChart, monodromy
 from floquet_scripts import explore
 from periodic.examples import coupled_mathieu
 from plate import MovingPlate
+from tests.paths import ROOT
 
 pytest.importorskip("bokeh", reason="the page needs bokeh: pip install 'floquet-charts[explore]'")
 webdriver = pytest.importorskip("selenium.webdriver", reason="browser tests need selenium")
@@ -30,7 +31,6 @@ pytestmark = pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="browser tests
 
 SLIDERS = ["speed", "tension", "damping", "width", "aspect_ratio", "harmonics"]
 FINEST = "256 × 128 points"
-ROOT = Path(__file__).resolve().parents[2]
 SYSTEM = coupled_mathieu(damping=(0.02, 0.05))
 PLATE = """
 title = "small plate"

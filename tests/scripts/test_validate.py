@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from finite_elements import column
-from small_case import SMALL_CASE
 
 from compare.files.matrices import save_system
 from floquet_scripts.validate import main
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu
+from tests.finite_elements import column
+from tests.small_case import SMALL_CASE
 
 
 @pytest.fixture
@@ -73,7 +73,7 @@ def test_a_failure_leaves_the_old_output_whole(case: Path, tmp_path: Path, monke
     output = tmp_path / "out"
     output.mkdir()
     (output / "agreement.json").write_text("old")
-    from compare.study import CaseStudy
+    from compare.study.study import CaseStudy
 
     def fail(self: CaseStudy) -> None:
         raise RuntimeError("the disk is on fire")

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from small_case import SMALL_CASE
 
-ROOT = Path(__file__).resolve().parents[2]
+from tests.paths import ROOT
+from tests.small_case import SMALL_CASE
 
 
 @pytest.fixture(scope="module")

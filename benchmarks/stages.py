@@ -1,0 +1,119 @@
+"""Where the time of a chart goes, and its multipliers before only the dominant one is kept."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquet.chart.chart import tasks
+from floquet.engine.column import chart_block, least_frequency, log2_steps, multipliers, steps_needed
+from floquet.engine.coordinates import Block, blocks, equations
+from floquet.engine.doubling.sampling import Sampler, Workspace
+from floquet.engine.doubling.schedule import TOLERANCE
+from floquet.engine.eigen.symplectic import reciprocal_pairs
+from floquet.running.threads import single_blas_thread
+from periodic import SystemFamily
+from periodic.checks import FloatArray
+
+PEAK_SIZE = 512  # rows of the matrices whose product shows the peak rate of BLAS
+
+
+@dataclass(frozen=True)
+class Stages:
+    """CPU seconds of the stages of a chart, its matrix products, and the peak rate of BLAS.
+
+    ``rest`` is what is left of the whole: dominant multipliers, measured errors, verdicts. ``operations`` are the
+    multiplications and additions of the products that double the steps, and of nothing else.
+    """
+
+    sampling: float
+    eigenvalues: float
+    rest: float
+    operations: float
+    peak: float
+
+    @property
+    def rate(self) -> float:
+        """Operations per second of sampling."""
+        return self.operations / self.sampling
+
+
+def chart_multipliers(family: SystemFamily, Omega: float, eps: FloatArray) -> NDArray[np.complex128]:
+    """Return all multipliers at the amplitudes of a column, shape (k, 2n), from the steps that the chart takes."""
+    system = family.at(Omega)
+    steps = steps_needed([system], np.array([Omega]), eps)
+    found = []
+    with single_blas_thread():
+        for block in blocks(system):
+            sampler, L = _sampler(block, Omega, eps, steps, Workspace())
+            spectra = multipliers(sampler, eps, L, TOLERANCE)
+            mu = reciprocal_pairs(spectra.mu) if block.symplectic else spectra.mu
+            found.append(mu * np.exp2(spectra.exponents)[:, None])
+    return np.concatenate(found, axis=1)
+
+
+def stages(family: SystemFamily, Omega: FloatArray, eps: FloatArray, every: int = 4, rounds: int = 3) -> Stages:
+    """Time the stages of some tasks of a chart, one out of ``every`` so many; the least of some rounds each."""
+    some = [Omega[columns] for columns in tasks(len(Omega))[::every]]
+    blocks_of_columns = [([family.at(float(w)) for w in part], part) for part in some]
+    Omega = np.concatenate(some)
+    systems = [system for part, _ in blocks_of_columns for system in part]
+    steps = steps_needed([systems[0], systems[-1]], Omega[[0, -1]], eps)
+    work = Workspace()
+    samplers = [_sampler(b, float(w), eps, steps, work) for s, w in zip(systems, Omega, strict=True) for b in blocks(s)]
+    operations = 0.0
+    for sampler, L in samplers:
+        plan = sampler.plan(eps, L, TOLERANCE)
+        if plan is not None:
+            operations += 2.0 * sampler.size**3 * float(plan.schedule.sizes[1:].sum())
+
+    def sample() -> None:
+        for sampler, L in samplers:
+            for _ in sampler.panels(eps, L, TOLERANCE):
+                pass
+
+    def solve() -> None:
+        for sampler, L in samplers:
+            multipliers(sampler, eps, L, TOLERANCE)
+
+    def whole() -> None:
+        for columns in blocks_of_columns:
+            chart_block(*columns, eps, steps)
+
+    A = np.random.default_rng(0).standard_normal((PEAK_SIZE, PEAK_SIZE))
+    with single_blas_thread():
+        least = [_least(stage, rounds) for stage in (sample, solve, whole, lambda: A @ A)]
+    sampled, solved, all_of_it, product = least
+    return Stages(sampled, solved - sampled, all_of_it - solved, operations, 2.0 * PEAK_SIZE**3 / product)
+
+
+def stages_table(found: dict[tuple[int, float], Stages]) -> str:
+    """Return the shares of the stages of each (n, damping) as a Markdown table."""
+    lines = [
+        "| n | damping | samples (doubling) | eigenvalues | the rest | products, GFLOP/s | of the peak |",
+        "|--:|--:|--:|--:|--:|--:|--:|",
+    ]
+    for (size, damping), s in found.items():
+        parts = np.array([s.sampling, s.eigenvalues, s.rest])
+        shares = " | ".join(f"{part:.0%}" for part in parts / parts.sum())
+        lines.append(f"| {size} | {damping:g} | {shares} | {s.rate / 1e9:.0f} | {s.rate / s.peak:.0%} |")
+    return "\n".join(lines)
+
+
+def _sampler(block: Block, Omega: float, eps: FloatArray, steps: float, work: Workspace) -> tuple[Sampler, int]:
+    sampler = Sampler(block, equations(block, least_frequency(Omega)), Omega, work)
+    return sampler, log2_steps(block, Omega, eps, steps)
+
+
+def _least(function: Callable[[], object], rounds: int) -> float:
+    def once() -> float:
+        start = time.process_time()
+        function()
+        return time.process_time() - start
+
+    once()
+    return min(once() for _ in range(rounds))

@@ -1,1 +1,0 @@
-"""What a chart costs, against what other methods need for the same numbers."""

@@ -1,0 +1,134 @@
+"""The written report: one page to read offline, and the same as Markdown beside its pictures."""
+
+from __future__ import annotations
+
+import base64
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
+
+from compare.claims import ClaimVerdict
+from compare.claims.evidence import Traced
+from compare.claims.quantities import Measured
+from compare.study.study import CaseStudy, VariantStudy
+from compare.study.validity import validity
+
+# How far first order may be off where the report still says that it holds.
+VALIDITY_TOLERANCE = 0.05
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture in the folder of the report.
+
+    Attributes
+    ----------
+    file : str
+        Name of the PNG; a PDF lies beside it.
+    caption : str
+    data : str
+        The PNG in base64, for the page that carries its pictures.
+    """
+
+    file: str
+    caption: str
+    data: str
+
+
+def write_report(studies: Sequence[CaseStudy], claims: Sequence[ClaimVerdict], folder: str | Path) -> None:
+    """Write report.html, report.md and every picture (PNG and PDF) into a folder.
+
+    Parameters
+    ----------
+    studies : sequence of CaseStudy
+        The cases, from `compare.study.study.run_case`.
+    claims : sequence of ClaimVerdict
+        From `compare.claims.judge_claims`; may be empty.
+    folder : str or Path
+        Must exist. report.html needs no other file.
+    """
+    folder = Path(folder)
+    pictures = {study.case.name: _save_pictures(study, folder) for study in studies}
+    environment = Environment(
+        loader=PackageLoader("compare"),
+        autoescape=select_autoescape(("html",)),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters.update(number=_number, figures=_figures, measured=_measured)
+    environment.filters.update(cell=_cell, status=_status, holds_to=_holds_to)
+    regions = [verdict for study in studies for variant in study.variants for verdict in variant.verdicts]
+    facts = {
+        "studies": studies,
+        "claims": claims,
+        "pictures": pictures,
+        "judged": len(regions),
+        "agreeing": sum(verdict.agrees for verdict in regions),
+        "failed_charts": sum(not variant.passed_audit for study in studies for variant in study.variants),
+        "tolerance": VALIDITY_TOLERANCE,
+    }
+    for name in ("report.html", "report.md"):
+        text = environment.get_template(name).render(facts)
+        (folder / name).write_text(text, encoding="utf-8")
+
+
+def _save_pictures(study: CaseStudy, folder: Path) -> list[Picture]:
+    captions = {"regions": "Region by region"}
+    for variant, name in zip(study.variants, study.chart_names, strict=True):
+        captions[name] = f"Chart: {variant.label}" if variant.label else "Chart"
+    pictures = []
+    for name, figure in study.figures().items():
+        path = folder / f"{study.case.name}-{name}.png"
+        figure.savefig(path)
+        figure.savefig(path.with_suffix(".pdf"))
+        data = base64.b64encode(path.read_bytes()).decode("ascii")
+        pictures.append(Picture(path.name, captions[name], data))
+    return pictures
+
+
+def _number(value: float, digits: int = 5) -> str:
+    """Return a number to so many digits, a dash where there is none."""
+    return "–" if math.isnan(value) else f"{value:.{digits}g}"
+
+
+def _figures(value: float, digits: int = 5) -> str:
+    """Return `_number` with the zeros at its end, for columns that align their decimal points."""
+    return "–" if math.isnan(value) else f"{value:#.{digits}g}"
+
+
+def _measured(value: Measured) -> str:
+    """Return a measured number with no more digits than its error allows."""
+    number, error = value
+    if math.isnan(number) or not math.isfinite(error):
+        return "cannot be told"
+    if error <= 0 or number == 0:
+        return _number(number)
+    return _number(number, max(1, min(6, math.floor(math.log10(abs(number) / error)))))
+
+
+def _cell(text: object) -> str:
+    """Return text fit for a cell of a Markdown table: no bars, line breaks or tags."""
+    return " ".join(str(text).replace("|", "\\|").replace("<", "&lt;").split())
+
+
+def _status(check: Traced) -> str:
+    """Return what integration says about a finding."""
+    if not check.decisive:
+        return "undecided"
+    return "holds" if check.holds else "contradicted"
+
+
+def _holds_to(variant: VariantStudy, label: str) -> str:
+    """Return where first order holds for a region, if its boundary was traced."""
+    for curve, trace in variant.panels:
+        if curve.label == label and trace.is_open.any():
+            found = validity(curve, trace, (VALIDITY_TOLERANCE,))[0]
+            if math.isnan(found.last):
+                return "nowhere"
+            start = f"{found.first:.2g} " if found.first > 0 else ""
+            return f"{start}to {'≥ ' if found.to_the_end else ''}{found.last:.2g}"
+    return "–"

@@ -1,0 +1,260 @@
+"""From a case, or from anybody's system, to pictures: charts, curves, traced boundaries and verdicts."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from tqdm import tqdm
+
+from compare.audit import audit_sentence
+from compare.files.cases import Case
+from compare.pictures import Figure, Layer, overlay, region_panels, variant_panels
+from compare.verdicts import DEFAULT_LADDER, RegionAgreement, agreement, traced_curve
+from floquet import BoundaryTrace, StabilityChart, stability_chart
+from floquet.chart.checkpoint import BlockStore
+from floquet.running.parallel import gather
+from floquet.running.threads import single_blas_thread
+from periodic import SystemFamily
+from periodic.checks import FloatArray
+from perturb import TransitionCurve, transition_curves
+
+# A traced boundary is smooth but where it meets another: this many points along eps draw it without corners.
+TRACE_POINTS = 12
+# Regions that start beyond the window by this part may reach into it.
+MARGIN = 0.1
+# As many panels as fit on a page.
+MOST_PANELS = 6
+# --quick: enough to see that the line runs from plate to picture.
+QUICK_POINTS = (96, 48)
+QUICK_TRACE_POINTS = 5
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """What a study looks at.
+
+    Attributes
+    ----------
+    name, title : str
+        What its files are called, and its heading.
+    systems : dict of str to SystemFamily
+        Each system under its label; one alone has the label "".
+    window, eps : (float, float), float
+        Window of excitation frequencies and largest amplitude of the charts.
+    points : (int, int)
+        Columns and rows of the charts.
+    modes : int
+        Regions between so many lowest modes are judged.
+    pairs : list of (int, int), optional
+        Modes whose first regions are looked at closely, in this order; the widest ones if left out.
+    ladder : tuple of float
+        Amplitudes at which theory and integration are held against each other.
+    compare : {"within", "beside"}
+        Whether pictures show the systems in one panel for each region, or in a panel each.
+    remark : str
+        What the reader has to know besides.
+    """
+
+    name: str
+    title: str
+    systems: Mapping[str, SystemFamily]
+    window: tuple[float, float]
+    eps: float
+    points: tuple[int, int]
+    modes: int
+    pairs: Sequence[tuple[int, int]] | None = None
+    ladder: tuple[float, ...] = DEFAULT_LADDER
+    compare: Literal["within", "beside"] = "within"
+    remark: str = ""
+
+    @classmethod
+    def of_case(cls, case: Case) -> Subject:
+        """Return what a case file asks for."""
+        chart, modes = case.chart, max(max(pair) for pair in case.regions)
+        systems, pairs = case.systems(), case.regions
+        return cls(
+            case.name, case.title, systems, chart.Omega, chart.eps, chart.points, modes, pairs, compare=case.compare
+        )
+
+    def selected(self, curves: Sequence[TransitionCurve]) -> list[TransitionCurve]:
+        """Return the regions that are looked at closely."""
+        if self.pairs is None:
+            low, high = self.window
+            inside = [c for c in curves if low < c.centre < high and max(c.p, c.q) <= self.modes]
+            widths = {curve: float(np.subtract(*reversed(curve.edges(self.eps)))) for curve in inside}
+            widest = sorted((curve for curve in inside if widths[curve] > 0), key=lambda curve: -widths[curve])
+            return sorted(widest[:MOST_PANELS], key=lambda curve: curve.centre)
+        wanted = [{*pair} for pair in self.pairs]
+        shown = [curve for curve in curves if curve.kind == "sum" and curve.j == 1 and {curve.p, curve.q} in wanted]
+        return sorted(shown, key=lambda curve: wanted.index({curve.p, curve.q}))
+
+
+@dataclass(frozen=True, eq=False)
+class VariantStudy:
+    """Everything computed for one system of a case.
+
+    Attributes
+    ----------
+    label : str
+        The variant's name; empty where a case has only one.
+    chart : StabilityChart
+        The wide chart.
+    curves : list of TransitionCurve
+        Every analytic region that starts in the window or next to it.
+    panels : list of (TransitionCurve, BoundaryTrace)
+        Theory and integration for the regions that the case looks at closely, in the case's order.
+    verdicts : list of RegionAgreement
+        Theory against integration for every region of the case's modes in the window.
+    """
+
+    label: str
+    chart: StabilityChart
+    curves: list[TransitionCurve]
+    panels: list[tuple[TransitionCurve, BoundaryTrace]]
+    verdicts: list[RegionAgreement]
+
+    @property
+    def passed_audit(self) -> bool:
+        """Whether another integrator computed some cells of the chart again, and they bore it out."""
+        audit = self.chart.audit
+        return audit is not None and audit.compared > 0 and audit.ok
+
+    @property
+    def audit(self) -> str:
+        """What became of the audit, in a sentence."""
+        return audit_sentence(self.chart.audit)
+
+
+@dataclass(frozen=True, eq=False)
+class CaseStudy:
+    """A subject and what was computed for its variants."""
+
+    case: Subject
+    variants: list[VariantStudy]
+
+    @property
+    def agrees(self) -> bool:
+        """Whether theory and integration agree in every region of every variant, and every chart passed its audit."""
+        return all(variant.passed_audit and all(v.agrees for v in variant.verdicts) for variant in self.variants)
+
+    @property
+    def chart_names(self) -> list[str]:
+        """Name of each variant's chart among `figures`."""
+        return ["chart"] if len(self.variants) == 1 else [f"chart-{i}" for i, _ in enumerate(self.variants, start=1)]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain numbers and strings, fit for JSON."""
+        return {
+            "case": self.case.name,
+            "title": self.case.title,
+            "remark": self.case.remark,
+            "agrees": self.agrees,
+            "variants": [
+                {
+                    "label": variant.label,
+                    "chart_passed_audit": variant.passed_audit,
+                    "regions": [verdict.to_dict() for verdict in variant.verdicts],
+                }
+                for variant in self.variants
+            ],
+        }
+
+    def figures(self) -> dict[str, Figure]:
+        """Return the case's pictures by name."""
+        layers = [Layer(variant.label, variant.chart, variant.panels) for variant in self.variants]
+        draw = region_panels if self.case.compare == "within" else variant_panels
+        looked_at = any(variant.panels for variant in self.variants)
+        pictures = {"regions": draw(layers, title=self.case.title)} if looked_at else {}
+        for variant, name in zip(self.variants, self.chart_names, strict=True):
+            title = "\n".join(filter(None, (self.case.title, variant.label)))
+            traces = [trace for _, trace in variant.panels]
+            pictures[name] = overlay(variant.chart, variant.curves, traces, title=title)
+        return pictures
+
+
+def run_case(
+    case: Case | Subject,
+    *,
+    n_jobs: int = -1,
+    quick: bool = False,
+    progress: bool = False,
+    cache: str | os.PathLike[str] | BlockStore | None = None,
+) -> CaseStudy:
+    """Compute a case.
+
+    Parameters
+    ----------
+    case : Case or Subject
+        From `compare.files.cases.load_case` or `compare.study.own_system.system_subject`.
+    n_jobs : int
+        Workers, as in joblib; -1 for all cores.
+    quick : bool
+        Coarser charts and fewer points on the traced boundaries; the verdicts are the same.
+    progress : bool
+        Show progress bars.
+    cache : path or BlockStore, optional
+        Folder that keeps finished parts of the charts, as in `floquet.stability_chart`.
+
+    Returns
+    -------
+    CaseStudy
+
+    Raises
+    ------
+    ValueError
+        If a system of the case cannot be analysed, for instance above its divergence speed, or none of its regions
+        starts in the window.
+    """
+    subject = Subject.of_case(case) if isinstance(case, Case) else case
+    with single_blas_thread():  # the matrices are small: threads of BLAS would only fight
+        variants = [
+            _run_variant(subject, label, family, n_jobs, quick, progress, cache)
+            for label, family in subject.systems.items()
+        ]
+    return CaseStudy(subject, variants)
+
+
+def _run_variant(
+    subject: Subject,
+    label: str,
+    family: SystemFamily,
+    n_jobs: int,
+    quick: bool,
+    progress: bool,
+    cache: str | os.PathLike[str] | BlockStore | None,
+) -> VariantStudy:
+    window, eps_max = subject.window, subject.eps
+    columns, rows = QUICK_POINTS if quick else subject.points
+    curves = transition_curves(family, ((1 - MARGIN) * window[0], (1 + MARGIN) * window[1]))
+    if not any(window[0] <= curve.centre <= window[1] and max(curve.p, curve.q) <= subject.modes for curve in curves):
+        raise ValueError(
+            f"none of the regions between the {subject.modes} lowest modes starts in the window, Omega from "
+            f"{window[0]:g} to {window[1]:g}; give another window, or regions of higher modes"
+        )
+    chart = stability_chart(
+        family,
+        np.linspace(*window, columns),
+        np.linspace(0, eps_max, rows),
+        n_jobs=n_jobs,
+        progress=progress,
+        cache=cache,
+    )
+    verdicts = agreement(family, window, subject.ladder, modes=subject.modes, n_jobs=n_jobs, progress=progress)
+    shown = subject.selected(curves)
+    points = QUICK_TRACE_POINTS if quick else TRACE_POINTS
+    tasks = [(family, curve, _ladder(curve, eps_max, points)) for curve in shown]
+    with tqdm(desc="traces", total=len(tasks), unit="region", disable=not progress) as bar:
+        traces = gather(traced_curve, tasks, n_jobs, bar)
+    panels = [(curve, trace) for curve, trace in zip(shown, traces, strict=True) if trace is not None]
+    return VariantStudy(label, chart, curves, panels, verdicts)
+
+
+def _ladder(curve: TransitionCurve, eps_max: float, points: int) -> FloatArray:
+    """Values of eps for a traced boundary: even, or crowded towards the tip of a damped region, where it turns."""
+    tip = curve.tip if curve.tip < eps_max else 0.0
+    step = np.linspace(0.01, 1, points)
+    return tip + (eps_max - tip) * (step**2 if tip > 0 else step)

@@ -1,0 +1,143 @@
+"""Finished blocks of a chart on disk: a chart that was stopped goes on where it was, and ends with the same bits."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import os
+import platform
+import tempfile
+from collections.abc import Sequence
+from contextlib import suppress
+from functools import cache
+from itertools import groupby
+from pathlib import Path
+
+import llvmlite.binding
+import numba
+import numpy as np
+import scipy
+
+from floquet.engine.column import Columns
+from floquet.running.files import replace_file
+from floquet.running.source import source_hash
+from periodic import PeriodicSystem
+from periodic.checks import FloatArray
+
+DIGEST_BYTES = 32
+
+
+class BlockStore:
+    """A folder of finished blocks of columns, one file each, which several processes may share.
+
+    A file's name is the hash of all that its content depends on: matrices, frequencies, amplitudes, steps, this
+    package's code, the libraries and the kind of processor. It appears complete or not at all, and carries the hash of
+    its content: what a power cut or a bad disk damaged counts as not there.
+
+    It remembers which blocks it has read or written, so that `clear` removes these and nobody else's.
+
+    Parameters
+    ----------
+    folder : str or path-like
+        Made if it does not exist.
+    fresh : bool
+        Take no block that was there before; keep new ones all the same.
+
+    Raises
+    ------
+    ValueError
+        If ``folder`` is no path, or cannot be made or written to.
+    """
+
+    def __init__(self, folder: str | os.PathLike[str], *, fresh: bool = False) -> None:
+        if not isinstance(folder, str | os.PathLike):
+            raise ValueError(f"cache = {folder!r} is not a path; give the name of a folder")
+        self.folder, self.fresh = Path(folder), fresh
+        self._used: set[Path] = set()
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            tempfile.TemporaryFile(dir=self.folder).close()
+        except OSError as error:
+            raise ValueError(self._refusal(error)) from None
+
+    def path(self, systems: Sequence[PeriodicSystem], Omega: FloatArray, eps: FloatArray, steps: float) -> Path:
+        """Return where the block with these inputs of `floquet.engine.column.chart_block` is kept."""
+        digest = hashlib.sha256(code_version() + processor().encode())
+        for array in (Omega, eps, np.array(steps)):
+            _add(digest, array)
+        for system, same in groupby(systems):  # most families have one and the same for all columns
+            _add(digest, np.array(len(list(same))))
+            for array in vars(system).values():
+                _add(digest, array)
+        return self.folder / f"{digest.hexdigest()}.block"
+
+    def load(self, path: Path) -> Columns | None:
+        """Return the block in ``path``; None if there is none, it is damaged, or the store is to be fresh."""
+        if self.fresh and path not in self._used:
+            return None
+        try:
+            data = path.read_bytes()
+        except OSError:
+            return None
+        digest, content = data[:DIGEST_BYTES], data[DIGEST_BYTES:]
+        if hashlib.sha256(content).digest() != digest:
+            return None
+        self._used.add(path)
+        with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
+            return Columns(*(arrays[name] for name in Columns._fields))
+
+    def save(self, path: Path, block: Columns) -> None:
+        """Write a block, in one step as others see it, even if the power fails.
+
+        Raises
+        ------
+        ValueError
+            If it cannot be written, for instance because the disk is full.
+        """
+        buffer = io.BytesIO()
+        np.savez(buffer, **block._asdict())
+        content = buffer.getvalue()
+        self._used.add(path)
+        try:
+            self.folder.mkdir(
+                parents=True, exist_ok=True
+            )  # another process may have cleared its blocks, and the folder
+            replace_file(path, hashlib.sha256(content).digest() + content)
+        except OSError as error:
+            raise ValueError(self._refusal(error)) from None
+
+    @property
+    def in_use(self) -> bool:
+        """Whether any block has been read or written here."""
+        return bool(self._used)
+
+    def clear(self) -> None:
+        """Remove the blocks that were read or written here, and the folder if nothing else is in it."""
+        for path in self._used:
+            path.unlink(missing_ok=True)
+        self._used.clear()
+        with suppress(OSError):
+            self.folder.rmdir()
+
+    def _refusal(self, error: OSError) -> str:
+        return f"cache = {str(self.folder)!r} cannot be written to ({error.strerror}); give another folder"
+
+
+@cache
+def code_version() -> bytes:
+    """Return the hash of the code that computes charts and of the versions of what it is built on."""
+    digest = hashlib.sha256(source_hash().encode())
+    versions = (np.__version__, scipy.__version__, numba.__version__, platform.python_version())
+    digest.update("\0".join(versions).encode())
+    return digest.digest()
+
+
+@cache
+def processor() -> str:
+    """Return the kind of processor, on which the last bits of a chart depend."""
+    return f"{platform.machine()} {llvmlite.binding.get_host_cpu_name()}"
+
+
+def _add(digest: hashlib._Hash, array: FloatArray) -> None:
+    digest.update(f"{array.dtype.str}{array.shape}".encode())
+    digest.update(np.ascontiguousarray(array).tobytes())

@@ -1,0 +1,126 @@
+"""From a `PeriodicSystem` to first-order equations in coordinates in which its free motion is nearly a rotation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+import scipy.linalg as sla
+
+from floquet.engine.decoupling import independent_blocks
+from periodic import PeriodicSystem
+from periodic.checks import FloatArray
+
+# Asymmetry of a matrix, and damping of a block, below this part of the largest entry come from assembling the matrices.
+ROUNDING = 1e-13
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """An independent subsystem in modal coordinates r: r'' + (G + C) r' + (K + eps F(t)) r = 0.
+
+    Attributes
+    ----------
+    basis : ndarray, shape (n, b)
+        W = basis r; orthonormal with respect to the mass, and such that the symmetric part of ``K`` is diagonal.
+    G, C, K : ndarray, shape (b, b)
+    Fc, Fs : ndarray, shape (J, b, b)
+    rate : float
+        Largest modulus of an eigenvalue of the free motion.
+    modulation : float
+        Bound on the norm of F(t).
+    symplectic : bool
+        No damping, all stiffness symmetric: the block is a Hamiltonian system.
+    reversible : bool
+        No terms in r', excitation even in time; then with mu also 1/mu is a multiplier.
+    """
+
+    basis: FloatArray
+    G: FloatArray
+    C: FloatArray
+    K: FloatArray
+    Fc: FloatArray
+    Fs: FloatArray
+    rate: float
+    modulation: float
+    symplectic: bool
+    reversible: bool
+
+
+class Equations(NamedTuple):
+    """y' = A y - eps [[0, 0], [diag(left) F(t) diag(right), 0]] y, with ``A`` (2b, 2b), ``left`` and ``right`` (b,).
+
+    ``strength[j - 1]`` bounds the rate at which harmonic j makes |y| grow when eps = 1.
+    """
+
+    A: FloatArray
+    left: FloatArray
+    right: FloatArray
+    strength: tuple[float, ...]
+
+
+@lru_cache(maxsize=8)  # most families have one system for all frequencies
+def blocks(system: PeriodicSystem) -> tuple[Block, ...]:
+    """Return the independent subsystems of ``system``."""
+    inverse = sla.solve_triangular(np.linalg.cholesky(system.mass), np.eye(system.size), lower=True)
+    constant = np.array([system.gyroscopic, system.damping, system.stiffness])
+    matrices = np.concatenate([constant, system.cosine, system.sine])
+    bases = independent_blocks(inverse @ matrices @ inverse.T)
+    return tuple(_block(system, matrices, inverse.T @ X) for X in bases)
+
+
+def _block(system: PeriodicSystem, matrices: FloatArray, V: FloatArray) -> Block:
+    K = V.T @ system.stiffness @ V
+    V = V @ sla.eigh(K + K.T)[1]
+    # once more, now that V is nearly orthonormal: an ill-conditioned mass matrix costs digits the first time
+    V = V @ sla.solve_triangular(np.linalg.cholesky(V.T @ system.mass @ V), np.eye(V.shape[1]), lower=True).T
+    G, C, K, *F = V.T @ matrices @ V
+    G, C = (G - G.T) / 2, (C + C.T) / 2
+    symmetric = all(np.abs(S - S.T).max() <= ROUNDING * np.abs(S).max() for S in matrices[2:])
+    if symmetric:
+        K, F = (K + K.T) / 2, [(S + S.T) / 2 for S in F]
+    Fc, Fs = np.array(F[: system.harmonics]), np.array(F[system.harmonics :])
+    damped = np.abs(C).max() > ROUNDING * np.linalg.norm(system.damping, 2)
+    free = np.block([[np.zeros_like(K), np.eye(len(K))], [-K, -G - C]])
+    return Block(
+        V,
+        G,
+        C,
+        K,
+        Fc,
+        Fs,
+        rate=float(np.abs(np.linalg.eigvals(free)).max()),
+        modulation=float(np.linalg.norm(F, axis=(1, 2)).sum()),
+        symplectic=symmetric and not damped,
+        reversible=not damped and not G.any() and not Fs.any(),
+    )
+
+
+@lru_cache(maxsize=64)
+def equations(block: Block, least: float) -> Equations:
+    """Return the first-order equations of ``block``.
+
+    With w the square roots of the (moduli of the) stiffnesses, but at least ``least``: energy coordinates
+    y = (w r, r'), in which the free conservative motion is a rotation and damping only shrinks |y|; for a symplectic
+    block the canonical ones, y = (w^1/2 r, w^-1/2 (r' + G r / 2)), the same but for scaling and the gyroscopic term.
+    """
+    b = len(block.K)
+    w = np.maximum(np.sqrt(np.abs(np.diag(block.K))), least)
+    root = np.sqrt(w)
+    scaled = np.concatenate([block.Fc, block.Fs]) / np.outer(root, root)
+    cosine, sine = np.linalg.norm(scaled, 2, axis=(1, 2)).reshape(2, -1)
+    strength = tuple((np.hypot(cosine, sine) / 2).tolist())
+    if not block.symplectic:
+        A = np.block([[np.zeros((b, b)), np.diag(w)], [-block.K / w, -block.G - block.C]])
+        return Equations(A, np.ones(b), 1 / w, strength)
+    half = block.G / 2
+    stiffness = block.K - half @ half
+    A = np.block(
+        [
+            [-root[:, None] * half / root, np.diag(w)],
+            [-stiffness / np.outer(root, root), -half / root[:, None] * root],
+        ]
+    )
+    return Equations(A, 1 / root, 1 / root, strength)

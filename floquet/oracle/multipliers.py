@@ -1,0 +1,185 @@
+"""From a monodromy matrix with its error to multipliers, their largest modulus with its error, and the verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import scipy.linalg as sla
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+from scipy.sparse.csgraph import connected_components
+
+from floquet.kind import Kind
+from periodic.checks import FloatArray
+
+ComplexArray = NDArray[np.complex128]
+
+# A multiplier whose error, to first order in that of the matrix, is below this part of the distance to its nearest
+# neighbour is isolated: it is known to first order, and no admissible error lets it meet another.
+ISOLATED = 0.1
+
+
+class Spectrum(NamedTuple):
+    """Multipliers by decreasing modulus, the log of the largest modulus, its estimated error, and the verdict."""
+
+    multipliers: ComplexArray
+    log_modulus: float
+    error: float
+    kind: Kind
+
+
+def spectrum(
+    Phi: FloatArray, error: float, *, reciprocal: bool, bounded: bool = False, form: FloatArray | None = None
+) -> Spectrum:
+    """Judge a monodromy matrix.
+
+    Parameters
+    ----------
+    Phi : ndarray, shape (N, N)
+        Monodromy matrix, best in coordinates in which it is well-conditioned.
+    error : float
+        Estimated spectral norm of the error of ``Phi``.
+    reciprocal : bool
+        True if with mu also 1/conj(mu) is a multiplier, as for conservative and for reversible systems. Then a simple
+        multiplier cannot leave the unit circle alone, and stable means that all lie on it; else stable means that all
+        lie inside.
+    bounded : bool
+        True if a positive definite energy is conserved: nothing grows, even where multipliers meet.
+    form : ndarray, shape (N, N), optional
+        Skew-symmetric matrix that ``Phi`` conserves, Phi^T form Phi = form. It tells apart multipliers that can leave
+        the unit circle where they meet from those that cannot (M. G. Krein's signature).
+
+    Returns
+    -------
+    Spectrum
+
+    Notes
+    -----
+    A simple multiplier moves by at most kappa E, where kappa is its condition number and E the error of
+    ``Phi``. Near a multiple one kappa is infinite, but the shift stays of the order of sqrt(E): there it is read from
+    the pseudospectrum, as the largest distance along the ray through mu at which some error of norm E can put a
+    multiplier (L. N. Trefethen and M. Embree, Spectra and Pseudospectra, 2005, chapter 2).
+    """
+    mu, left, right = eigensystem(Phi)
+    norm = float(np.linalg.norm(Phi))
+    # the QR algorithm itself: backward error a small multiple of the rounding of the norm
+    E = error + 4 * np.finfo(float).eps * norm
+    with np.errstate(divide="ignore"):
+        kappa = 1 / np.abs(np.einsum("ij,ij->j", left.conj(), right))  # both sets are normalised
+    first_order = np.minimum(kappa * E, 2 * norm + E)
+    distance = np.abs(mu[:, None] - mu) + np.diag(np.full(len(mu), np.inf))
+    crowded = first_order > ISOLATED * distance.min(axis=1)
+    modulus = np.abs(mu)
+    shift = first_order.copy()
+    for i in np.flatnonzero(crowded & (modulus + first_order > modulus.max()) & (mu.imag >= 0)):
+        shift[i] = _excursion(Phi, mu[i], E, first_order[i])
+        shift[mu == mu[i].conj()] = shift[i]
+    top = int(modulus.argmax())
+    log_modulus = float(np.log(modulus[top]))
+    upper = np.log1p((modulus + shift - modulus[top]).max() / modulus[top])
+    down = max(shift[top], first_order[top])
+    if crowded[top]:
+        # an error that can make the largest meet its nearest neighbour can turn the two into a complex pair, half-way
+        near = int(distance[top].argmin())
+        middle = 0.5 * (mu[top] + mu[near]) * np.eye(len(Phi))
+        if sla.svdvals(middle - Phi)[-1] <= E:
+            down = max(shift[top], 0.5 * distance[top, near] + E)
+    # an error as large as the multiplier leaves nothing to tell it from zero
+    lower = -np.log(max(1 - down / modulus[top], np.finfo(float).tiny))
+    log_error = float(max(upper, lower))
+    if log_modulus > log_error and not bounded:
+        kind = _kind(mu[top], shift[top])
+    elif reciprocal:
+        held = bounded or _held(Phi, mu, first_order, distance, crowded, form)
+        kind = Kind.STABLE if held else Kind.UNDECIDED
+        if held:
+            mu = mu / modulus
+            log_modulus = 0.0
+    else:
+        kind = Kind.STABLE if log_modulus < -log_error else Kind.UNDECIDED
+    return Spectrum(by_modulus(mu), log_modulus, log_error, kind)
+
+
+def eigensystem(Phi: FloatArray) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+    """Return the eigenvalues (N,) of a matrix, and its left and right eigenvectors in columns, normalised.
+
+    Scaled by a power of two, which rounds nothing: matrices above 1e138 LAPACK scales itself, and then, if vectors are
+    wanted as well, it returned eigenvalues that were too small, by a factor of 500 and more.
+    """
+    scale = 2.0 ** np.floor(np.log2(max(float(np.abs(Phi).max()), 1.0)))
+    mu, left, right = sla.eig(Phi / scale, left=True, right=True)
+    return scale * mu, left, right
+
+
+def combine(spectra: Sequence[Spectrum]) -> Spectrum:
+    """Return the spectrum of a system made of decoupled blocks from those of the blocks."""
+    value = max(s.log_modulus for s in spectra)
+    upper = max(s.log_modulus + s.error for s in spectra)
+    lower = max(s.log_modulus - s.error for s in spectra)
+    unstable = [s for s in spectra if s.kind > Kind.STABLE]
+    # without an unstable block, one undecided block leaves the whole undecided
+    kind = max(unstable, key=lambda s: s.log_modulus).kind if unstable else min(s.kind for s in spectra)
+    mu = by_modulus(np.concatenate([s.multipliers for s in spectra]))
+    return Spectrum(mu, value, max(upper - value, value - lower), kind)
+
+
+def by_modulus(mu: ComplexArray) -> ComplexArray:
+    """Return ``mu`` by decreasing modulus, equal moduli by increasing angle."""
+    return mu[np.lexsort((np.angle(mu), -np.abs(mu)))]
+
+
+def _kind(mu: complex, shift: float) -> Kind:
+    if abs(mu.imag) > shift:
+        return Kind.COMPLEX
+    return Kind.PLUS_ONE if mu.real > 0 else Kind.MINUS_ONE
+
+
+def _excursion(Phi: FloatArray, mu: complex, E: float, most: float) -> float:
+    """Return how far along its ray an error of norm ``E`` can put the multiplier ``mu``, to 10 %."""
+    direction = mu / abs(mu)
+    unit = np.eye(len(Phi))
+
+    def margin(log_shift: float) -> float:
+        z = mu + np.exp(log_shift) * direction
+        return float(np.log(max(sla.svdvals(z * unit - Phi)[-1] / E, 1e-9)))
+
+    low, high = np.log(E), np.log(most)
+    if low >= high or margin(low) >= 0 or margin(high) <= 0:
+        return max(E, most) if low >= high or margin(high) <= 0 else E
+    return float(np.exp(brentq(margin, low, high, xtol=0.1)))
+
+
+def _held(
+    Phi: FloatArray,
+    mu: ComplexArray,
+    first_order: FloatArray,
+    distance: FloatArray,
+    crowded: NDArray[np.bool_],
+    form: FloatArray | None,
+) -> bool:
+    """Return whether no admissible error can take a multiplier of a reciprocal system off the unit circle."""
+    if not crowded.any():
+        return True
+    if form is None:
+        return False
+    reach = np.maximum(first_order[:, None], first_order) / ISOLATED
+    _, cluster = connected_components(distance <= reach, directed=False)
+    return all(_definite(Phi, mu, cluster == c, form) for c in np.unique(cluster[crowded]))
+
+
+def _definite(Phi: FloatArray, mu: ComplexArray, members: NDArray[np.bool_], form: FloatArray) -> bool:
+    """Return whether i x^H form x has one sign on the invariant subspace of ``members``: then they cannot leave."""
+    inside, outside = mu[members], mu[~members]
+
+    def selected(z: complex) -> bool:
+        return len(outside) == 0 or np.abs(inside - z).min() < np.abs(outside - z).min()
+
+    _, basis, count = sla.schur(Phi.astype(complex), "complex", sort=selected)  # type: ignore[call-overload]
+    if count != len(inside):
+        return False
+    X = basis[:, :count]
+    signs = np.linalg.eigvalsh(1j * X.conj().T @ form @ X)
+    # a signature below this part of the form is no signature: the multipliers are about to leave
+    return bool(signs[0] * signs[-1] > 0 and np.abs(signs).min() > 1e-6 * np.linalg.norm(form, 2))

@@ -1,0 +1,238 @@
+"""From a `PeriodicSystem` to what the single-point integrator works on: decoupled blocks in energy coordinates."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy.linalg as sla
+from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
+
+from floquet.oracle.taylor import LARGEST, Block
+from periodic import PeriodicSystem
+from periodic.checks import FloatArray
+
+# Couplings and asymmetries below this part of the largest entry of their matrix are rounding errors of its assembly.
+# What is dropped is charged to the error estimate.
+ROUNDING = 1e-14
+# A hidden symmetry is used if the couplings it leaves, in energy coordinates, are below this part of the rate of
+# motion: dropping them then costs little more than rounding does anyway.
+SYMMETRY = 1e-14
+
+
+class Reduction(NamedTuple):
+    """One decoupled block of m coordinates; `floquet.oracle.taylor` has its equations in y = (y1, y2).
+
+    Attributes
+    ----------
+    to_q : ndarray, shape (2n, 2m)
+        The part of q = (W', W), eq. (13), that the block contributes is to_q @ y.
+    from_q : ndarray, shape (2m, 2n)
+        y = from_q @ q.
+    equations : Block
+        Coefficients.
+    rate : float
+        Bound on the norm of the coefficient matrix at any time: no free motion is faster.
+    neglected : float
+        Norm of all couplings and asymmetries dropped, as a coefficient matrix of y, per unit of time.
+    reciprocal : bool
+        True if with mu also 1/conj(mu) is a multiplier: the block is conservative or reversible.
+    bounded : bool
+        True if the block conserves a positive definite energy: conservative, not excited, with positive stiffness.
+    form : ndarray, shape (2m, 2m), or None
+        For a conservative block the skew-symmetric form that its motion conserves.
+    """
+
+    to_q: FloatArray
+    from_q: FloatArray
+    equations: Block
+    rate: float
+    neglected: float
+    reciprocal: bool
+    bounded: bool
+    form: FloatArray | None
+
+
+def reduce_system(system: PeriodicSystem, eps: float, slowest: float) -> list[Reduction]:
+    """Split ``system`` at amplitude ``eps`` into blocks and write each in energy coordinates.
+
+    With modes of the symmetric part of the stiffness, mass-normalised, W = modes @ (y1 / w) and W' = modes @ y2. The
+    scales w are the square roots of the moduli of the eigenvalues: a conservative motion is nearly a rotation of
+    (y1, y2), and the monodromy matrix as well-conditioned as can be. ``slowest`` > 0 is the scale of coordinates
+    without stiffness.
+
+    Raises
+    ------
+    ValueError
+        If numbers are so large that their products would overflow.
+    """
+    constant = np.array([system.mass, system.gyroscopic, system.damping, system.stiffness])
+    matrices = np.concatenate([constant, eps * system.cosine, eps * system.sine])
+    scale = 1 / np.sqrt(np.diag(system.mass))
+    with np.errstate(over="ignore", invalid="ignore"):
+        to_unit_mass = scale[:, None] * matrices * scale
+    if not (np.abs(to_unit_mass) <= LARGEST).all():
+        raise ValueError(
+            f"mass, stiffness or excitation at eps = {eps!r}: per unit of mass, an entry exceeds {LARGEST:.0e}; "
+            "change the units or give a smaller eps"
+        )
+    separate = _columns(np.eye(system.size), _components(to_unit_mass))
+    symmetric = [part for basis in separate for part in _symmetry_parts(matrices, basis)]
+    if len(symmetric) > len(separate):
+        blocks = _reduce_all(matrices, symmetric, slowest)
+        if blocks[0].neglected <= SYMMETRY * min(block.rate for block in blocks):
+            return blocks
+    return _reduce_all(matrices, separate, slowest)
+
+
+def constant_matrix(equations: Block) -> FloatArray:
+    """Return the matrix A (2m, 2m) of y' = A y without excitation."""
+    B, D = _parts(equations)
+    stiffness = np.diag(equations.k) + np.tensordot(equations.alpha[:, 0], B, 1)
+    return np.block([[np.zeros_like(D), np.diag(equations.w)], [-stiffness, -D]])
+
+
+def modulation(equations: Block) -> float:
+    """Return a bound on the relative change of stiffness by the excitation (spectral norm in energy coordinates)."""
+    B, _ = _parts(equations)
+    sizes = np.linalg.norm(B / equations.w[:, None], 2, axis=(1, 2))
+    return float(sizes @ np.hypot(equations.alpha, equations.beta)[:, 1:].sum(axis=1))
+
+
+def _parts(equations: Block) -> tuple[FloatArray, FloatArray]:
+    """Return B (R, m, m) and D (m, m)."""
+    m, functions = len(equations.w), len(equations.alpha)
+    parts = equations.S.reshape(m, -1, m).transpose(1, 0, 2)
+    return parts[:functions], parts[functions:].sum(axis=0)
+
+
+def _components(matrices: FloatArray) -> NDArray[np.intp]:
+    """Number the sets of coordinates that none of ``matrices`` (p, n, n) couples; return the set of each coordinate."""
+    sizes = np.abs(matrices)
+    coupled = (sizes > ROUNDING * sizes.max(axis=(1, 2), keepdims=True)).any(axis=0)
+    _, label = connected_components(coupled, directed=False)
+    return np.asarray(label, dtype=np.intp)
+
+
+def _columns(basis: FloatArray, label: NDArray[np.intp]) -> list[FloatArray]:
+    """Return the columns of ``basis`` of each label."""
+    return [basis[:, label == c] for c in range(label.max() + 1)]
+
+
+def _symmetry_parts(matrices: FloatArray, basis: FloatArray) -> list[FloatArray]:
+    """Split the space of ``basis`` (n, m) into parts that no matrix couples, whatever coordinates it is given in.
+
+    Such parts are spanned by eigenvectors of any symmetric combination of the matrices, so those of a random one are
+    tried. The modes alone would not do: equal frequencies leave them undetermined.
+    """
+    if basis.shape[1] == 1:
+        return [basis]
+    M, *others = basis.T @ matrices @ basis
+    weights = np.random.default_rng(0).uniform(1, 2, len(others))
+    combination = sum(
+        weight * (S + S.T) / np.abs(S).max() for weight, S in zip(weights, others, strict=True) if S.any()
+    )
+    found = basis @ sla.eigh(combination + np.zeros_like(M), M)[1]
+    return _columns(found, _components(found.T @ matrices @ found))
+
+
+def _reduce_all(matrices: FloatArray, bases: list[FloatArray], slowest: float) -> list[Reduction]:
+    """Return the blocks of the given bases; each is charged with what all of them neglect."""
+    blocks = [_reduce(matrices, basis, slowest) for basis in bases]
+    if len(blocks) == 1:
+        return blocks
+    n = len(matrices[0])
+    modes = np.hstack([block.to_q[:n, block.to_q.shape[1] // 2 :] for block in blocks])
+    w = np.concatenate([block.equations.w for block in blocks])
+    k = np.concatenate([block.equations.k for block in blocks]) * w
+    label = np.repeat(np.arange(len(blocks)), [len(block.equations.w) for block in blocks])
+    M, G, C, *stiffness = np.where(label[:, None] == label, 0.0, modes.T @ matrices @ modes)
+    # a coupling of mass acts through the acceleration, -k y1 / w
+    forces = [M * k, *stiffness]
+    neglected = np.linalg.norm(G) + np.linalg.norm(C) + sum(np.linalg.norm(force / w) for force in forces)
+    return [block._replace(neglected=block.neglected + float(neglected)) for block in blocks]
+
+
+def _reduce(matrices: FloatArray, basis: FloatArray, slowest: float) -> Reduction:
+    M, G, C, *_ = parts = basis.T @ matrices @ basis
+    forces = parts[3:]  # K, eps F_c1 ... eps F_sJ
+    skew = (forces - forces.transpose(0, 2, 1)) / 2
+    symmetric = bool((np.abs(skew).max(axis=(1, 2)) <= ROUNDING * np.abs(forces).max(axis=(1, 2))).all())
+    K = forces[0] - skew[0]
+    _, modes = sla.eigh(K, M)
+    # Rayleigh quotients: eigh gives every eigenvalue to rounding of the largest; for a graded stiffness, as of a Ritz
+    # basis, these are good to their own rounding
+    k = np.einsum("ij,ij->j", modes, K @ modes) / np.einsum("ij,ij->j", modes, M @ modes)
+    conservative = symmetric and not C.any()
+    damping = modes.T @ (G + C) @ modes
+    asymmetry = modes.T @ skew @ modes
+    excitation = modes.T @ forces[1:] @ modes
+    w = _scales(k, excitation, slowest)
+    asymmetry /= w
+    excitation /= w
+    if symmetric:
+        excitation -= asymmetry[1:]
+    alpha, beta, B = _forcing(np.zeros_like(asymmetry[0]) if symmetric else asymmetry[0], excitation)
+    damped = bool(damping.any())
+    S = np.ascontiguousarray(np.concatenate([*B, damping][: len(B) + damped], axis=1))
+    equations = Block(w, k / w, S, damped, alpha, beta)
+    sines = forces[1 + len(excitation) // 2 :]
+    shapes = basis @ modes
+    inverse = shapes.T @ matrices[0]
+    zero = np.zeros_like(shapes)
+    return Reduction(
+        to_q=np.block([[zero, shapes], [shapes / w, zero]]),
+        from_q=np.block([[zero.T, w[:, None] * inverse], [inverse, zero.T]]),
+        equations=equations,
+        rate=_rate(equations),
+        neglected=float(np.linalg.norm(asymmetry, axis=(1, 2)).sum()) if symmetric else 0.0,
+        reciprocal=conservative or not (C.any() or G.any() or sines.any()),
+        bounded=conservative and not excitation.any() and bool((k > 0).all()),
+        form=_symplectic_form(w, damping) if conservative else None,
+    )
+
+
+def _scales(k: FloatArray, excitation: FloatArray, slowest: float) -> FloatArray:
+    """Return w (m,): frequencies, but not below what the excitation alone would cause, up to ``slowest``."""
+    driven = np.sqrt(np.abs(np.diagonal(excitation, axis1=1, axis2=2)).sum(axis=0))
+    w = np.maximum(np.sqrt(np.abs(k)), np.minimum(driven, slowest))
+    return np.where(w > 0, w, slowest)
+
+
+def _symplectic_form(w: FloatArray, gyroscopic: FloatArray) -> FloatArray:
+    """Return dx ^ dp in terms of y, where x = y1 / w and p = x' + G x / 2: conserved by x'' + G x' + S(t) x = 0."""
+    inverse = np.diag(1 / w)
+    return np.block([[gyroscopic / np.outer(w, w), inverse], [-inverse, np.zeros_like(inverse)]])
+
+
+def _forcing(constant: FloatArray, excitation: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return alpha, beta (R, J + 1) and B (R, m, m) of `floquet.oracle.taylor` from F_c1 ... F_cJ, F_s1 ... F_sJ.
+
+    The harmonics of an excitation often share one distribution in space. R, the number of matrix products that a term
+    of the Taylor series costs, is therefore the rank of the span of the matrices, not their number.
+    """
+    J, m = len(excitation) // 2, len(constant)
+    weights, sizes, basis = np.linalg.svd(excitation.reshape(2 * J, m * m), full_matrices=False)
+    rank = max(1, int((sizes > np.finfo(float).eps * sizes[0]).sum()))
+    factors = (weights * sizes)[:, :rank].T
+    alpha, beta = np.zeros((rank, J + 1)), np.zeros((rank, J + 1))
+    alpha[:, 1:], beta[:, 1:] = factors[:, :J], factors[:, J:]
+    B = basis[:rank].reshape(rank, m, m)
+    if constant.any():  # unsymmetric stiffness: a function of time that happens to be constant
+        alpha = np.vstack([np.eye(1, J + 1), alpha])
+        beta = np.vstack([np.zeros((1, J + 1)), beta])
+        B = np.concatenate([constant[None], B])
+    return alpha, beta, B
+
+
+def _rate(equations: Block) -> float:
+    """Return a bound on the norm of the coefficient matrix, in the better of two scalings."""
+    B, D = _parts(equations)
+    sizes = np.linalg.norm(B, 2, axis=(1, 2))
+    forcing = float(sizes @ np.hypot(equations.alpha, equations.beta).sum(axis=1))
+    damping = float(np.linalg.norm(D, 2))
+    w, k = equations.w.max(), np.abs(equations.k).max()
+    as_it_is = max(w, k + forcing)
+    rescaled = np.sqrt(w * (k + forcing))
+    return float(min(as_it_is, rescaled)) + damping

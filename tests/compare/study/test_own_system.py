@@ -1,0 +1,168 @@
+"""Anybody's matrices: the window chosen for them, the modes left out, and theory held against integration."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from compare import truncation
+from compare.explorer.exploration import default_window
+from compare.files.matrices import save_system
+from compare.study.own_system import OwnSystem, own_system, system_subject
+from compare.study.study import run_case
+from compare.study.truncation import MOST_WHOLE, REACH, lowest_modes
+from floquet import Kind, stability_chart
+from periodic import PeriodicSystem
+from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu
+from tests.finite_elements import column
+
+
+def _own(system: PeriodicSystem, **changes: object) -> OwnSystem:
+    window, eps = default_window(system)
+    return replace(OwnSystem(Path("mine.npz"), system, window, eps, ""), **changes)
+
+
+def test_the_window_does_not_depend_on_the_mesh() -> None:
+    # Frequencies and buckling load of four elements are within a per cent of the limit; two digits are kept.
+    coarse, fine = default_window(column(4)), default_window(column(50))
+    np.testing.assert_allclose([*coarse[0], coarse[1]], [*fine[0], fine[1]], rtol=0.1)
+    # Half of what is left of the buckling load, pi^2 / 4, in the softest direction.
+    assert fine[1] == pytest.approx(0.5 * (np.pi**2 / 4 - 1), rel=0.02)
+
+
+def test_rigid_motion_does_not_shrink_the_default_eps() -> None:
+    chain = np.array([[1.0, -1.0, 0.0], [-1.0, 2.0, -1.0], [0.0, -1.0, 1.0]])  # free: one rigid motion
+    system = PeriodicSystem(np.eye(3), 0 * chain, 0 * chain, chain, [np.eye(3)])
+    assert default_window(system)[1] > 0.1
+
+
+def test_modes_far_above_the_window_are_left_out_and_change_no_verdict() -> None:
+    system = column(20)
+    window, eps = default_window(system)
+    small, remark = lowest_modes(system, window, eps)
+    assert small.size < 0.5 * system.size
+    assert f"the {small.size} lowest of 40 modes" in remark
+    frequencies = np.sqrt(np.diag(small.stiffness))
+    assert frequencies.max() <= REACH * window[1]
+    grid = np.linspace(*window, 24), np.linspace(0, eps, 12)
+    a, b = (stability_chart(s, *grid, progress=False, audit=0) for s in (system, small))
+    decided = (a.kind != Kind.UNDECIDED) & (b.kind != Kind.UNDECIDED)
+    assert decided.mean() > 0.9
+    np.testing.assert_array_equal(a.kind[decided] > Kind.STABLE, b.kind[decided] > Kind.STABLE)
+
+
+def test_what_leaving_out_changes_falls_as_more_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    # At a small eps: at a large one second-order theory takes more and more neighbours together as modes are added.
+    system, eps = column(20), 0.05
+    window, _ = default_window(system)
+    kept, changes = [], []
+    for reach in (1.5, 4.0, 12.0):
+        monkeypatch.setattr(truncation, "REACH", reach)
+        small, remark = lowest_modes(system, window, eps)
+        kept.append(small.size)
+        changes.append(float(remark.split(" of their frequency")[0].split()[-1]))
+    assert kept[0] < kept[1] < kept[2]
+    assert changes[0] > changes[1] > changes[2] > 0
+
+
+def test_a_model_without_theory_is_reduced_all_the_same() -> None:
+    # A damper that feeds energy into the second mode: no theory says what leaving out changes.
+    system = column(20)
+    window, eps = default_window(system)
+    shape = np.linalg.eigh(system.stiffness)[1][:, :1]
+    driven = replace(system, damping=-shape @ shape.T)
+    small, remark = lowest_modes(driven, window, eps)
+    assert 0 < small.size < driven.size
+    assert remark == f"Integrated are the {small.size} lowest of 40 modes."
+
+
+@pytest.mark.parametrize(
+    "system",
+    [
+        column(MOST_WHOLE // 2),
+        coupled_mathieu(),
+        PeriodicSystem(np.eye(30), np.zeros((30, 30)), np.zeros((30, 30)), -np.eye(30), [np.eye(30)]),
+        PeriodicSystem(np.eye(30), np.zeros((30, 30)), np.zeros((30, 30)), np.diag(np.arange(1.0, 31)), [np.eye(30)]),
+    ],
+    ids=["small", "tiny", "unstable", "all modes slow"],
+)
+def test_what_need_not_be_left_out_is_kept(system: PeriodicSystem) -> None:
+    assert lowest_modes(system, (1.0, 20.0), 0.1) == (system, "")
+
+
+@pytest.mark.parametrize(
+    "system",
+    [mathieu(1.0), mathieu(1.0, damping=0.02), coupled_mathieu(), gyroscopic_rotor(), column(3)],
+    ids=["mathieu", "damped", "pair", "rotor", "column"],
+)
+def test_theory_and_integration_agree(system: PeriodicSystem) -> None:
+    study = run_case(system_subject(_own(system), points=(16, 8)), n_jobs=1, quick=True)
+    assert study.variants[0].verdicts
+    assert study.agrees, [verdict.reason for verdict in study.variants[0].verdicts]
+
+
+@pytest.mark.parametrize("unit", [1e-3, 1e4])
+def test_units_decide_nothing(unit: float) -> None:
+    # Omega in other units, eps in others still: the same verdicts.
+    one = coupled_mathieu()
+    other = PeriodicSystem(
+        one.mass, unit * one.gyroscopic, unit * one.damping, unit**2 * one.stiffness, one.cosine, one.sine
+    )
+    studies = [run_case(system_subject(_own(s), points=(8, 4)), n_jobs=1, quick=True) for s in (one, other)]
+    assert [study.agrees for study in studies] == [True, True]
+    a, b = (study.variants[0].verdicts for study in studies)
+    assert [verdict.label for verdict in a] == [verdict.label for verdict in b]
+
+
+def test_the_widest_regions_are_looked_at_closely() -> None:
+    study = run_case(system_subject(_own(coupled_mathieu()), points=(8, 4)), n_jobs=1, quick=True)
+    assert [curve.label for curve, _ in study.variants[0].panels] == ["ω₁+ω₂"]
+    assert set(study.figures()) == {"chart", "regions"}
+
+
+def test_a_system_that_nothing_excites_is_drawn_without_panels() -> None:
+    still = PeriodicSystem([[1.0]], [[0.0]], [[0.0]], [[1.0]], [[[0.0]]])
+    study = run_case(system_subject(_own(still), points=(8, 4)), n_jobs=1, quick=True)
+    assert study.agrees
+    assert set(study.figures()) == {"chart"}
+
+
+def test_an_undamped_system_under_unsymmetric_excitation_is_remarked() -> None:
+    circulatory = np.array([[0.0, 1.0], [-0.5, 0.0]])
+    zero = np.zeros((2, 2))
+    for damping, expected in ((zero, True), (0.1 * np.eye(2), False)):
+        system = PeriodicSystem(np.eye(2), zero, damping, np.diag([1.0, 3.0]), [circulatory])
+        assert ("no damping" in system_subject(_own(system)).remark) is expected
+
+
+def test_errors_name_file_and_matrix(tmp_path: Path) -> None:
+    save_system(tmp_path / "trap.npz", mathieu(-0.3))
+    save_system(tmp_path / "fine.npz", mathieu(1.0))
+    with pytest.raises(ValueError, match=r"trap\.npz: there is no theory .* K \(stiffness\).*explore\.py --system"):
+        system_subject(own_system(tmp_path / "trap.npz"))
+    with pytest.raises(ValueError, match=r"fine\.npz: none of the regions .* frequencies 1\).*--modes"):
+        system_subject(own_system(tmp_path / "fine.npz", (5.0, 6.0)))
+    with pytest.raises(ValueError, match=r"Omega_range = \(3\.0, 2\.0\) is empty"):
+        own_system(tmp_path / "fine.npz", (3.0, 2.0))
+    with pytest.raises(ValueError, match=r"eps_max = -1\.0"):
+        own_system(tmp_path / "fine.npz", None, -1.0)
+    with pytest.raises(ValueError, match="modes = 0"):
+        system_subject(own_system(tmp_path / "fine.npz"), modes=0)
+    with pytest.raises(ValueError, match="points = 1"):
+        system_subject(own_system(tmp_path / "fine.npz"), points=(1, 1))
+
+
+def test_numbers_whose_squares_overflow_are_refused(tmp_path: Path) -> None:
+    save_system(tmp_path / "huge.npz", PeriodicSystem([[1.0]], [[0.0]], [[0.0]], [[1e308]], [[[1.0]]]))
+    with pytest.raises(ValueError, match=r"huge\.npz: stiffness or damping, .* change the units"):
+        own_system(tmp_path / "huge.npz")
+
+
+def test_a_system_that_cannot_oscillate_says_so(tmp_path: Path) -> None:
+    zero = np.zeros((1, 1))
+    save_system(tmp_path / "free.npz", PeriodicSystem([[1.0]], zero, zero, zero, [[[1.0]]]))
+    with pytest.raises(ValueError, match=r"free\.npz: the system does not oscillate"):
+        own_system(tmp_path / "free.npz")

@@ -1,0 +1,40 @@
+"""Results that are kept, but not more of them than there is memory for."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import floquet.engine.doubling.memo
+from floquet.engine.doubling.memo import kept
+
+
+def test_a_result_is_computed_once() -> None:
+    calls = []
+
+    @kept
+    def squares(n: int) -> tuple[np.ndarray, int] | None:
+        calls.append(n)
+        return (np.arange(n) ** 2, n) if n > 0 else None
+
+    assert squares(3) is squares(3)
+    assert squares(0) is None
+    assert squares(0) is None
+    assert calls == [3, 0]
+
+
+def test_results_are_dropped_when_they_are_too_many(monkeypatch: pytest.MonkeyPatch) -> None:
+    calls = []
+
+    @kept
+    def zeros(n: int) -> np.ndarray:
+        calls.append(n)
+        return np.zeros(1000 + n)
+
+    monkeypatch.setattr(floquet.engine.doubling.memo, "MOST_BYTES", 30_000)  # three of them
+    for n in (1, 2, 3, 3, 4, 4, 1):
+        assert len(zeros(n)) == 1000 + n
+    assert calls == [1, 2, 3, 4, 1]
+    for n in range(10, 60):  # as long as it takes to fill any store without a bound
+        zeros(n)
+    assert sum(len(cell.cell_contents) for cell in zeros.__closure__ if isinstance(cell.cell_contents, dict)) <= 3
