@@ -14,13 +14,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from llvmlite.binding import get_host_cpu_name
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_info
 
 from benchmarks.peers import PEERS, Peer, Solve, mixed_equations, modal_equations, rk4
 from benchmarks.stages import Stages, chart_multipliers, stages
 from floquet import StabilityChart, monodromy, stability_chart
-from periodic.checks import FloatArray
+from periodic.checks import ComplexArray, FloatArray
 from plate import EdgeLoad, MovingPlate
 
 # The error that every peer must meet, at the least cost that does.
@@ -94,7 +93,7 @@ class Sample(NamedTuple):
 
     Omega: float
     eps: float
-    mu: NDArray[np.complex128]
+    mu: ComplexArray
 
 
 def plate(size: int, damping: float) -> MovingPlate:
@@ -199,7 +198,7 @@ def cheapest(
     return None
 
 
-def multipliers(solve: Solve, Omega: float, eps: float) -> NDArray[np.complex128]:
+def multipliers(solve: Solve, Omega: float, eps: float) -> ComplexArray:
     """Return the multipliers as ``solve`` finds them, NaN where it overflowed."""
     matrix = solve(Omega, eps)
     if not np.isfinite(matrix).all():
@@ -207,7 +206,7 @@ def multipliers(solve: Solve, Omega: float, eps: float) -> NDArray[np.complex128
     return np.linalg.eigvals(matrix).astype(np.complex128)
 
 
-def error(mu: NDArray[np.complex128], exact: NDArray[np.complex128], criterion: str) -> float:
+def error(mu: ComplexArray, exact: ComplexArray, criterion: str) -> float:
     """Return the error of log|mu| of the largest multiplier, or the largest distance of any from its place, in units
     of the largest; infinite where there are none."""
     if not np.isfinite(mu).all():

@@ -7,17 +7,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquet.chart.chart import tasks
-from floquet.engine.column import chart_block, least_frequency, log2_steps, multipliers, steps_needed
-from floquet.engine.coordinates import Block, blocks, equations
+from floquet.engine.column import chart_batch, log2_steps, multipliers, steps_needed
+from floquet.engine.coordinates import Subsystem, subsystems
 from floquet.engine.doubling.sampling import Sampler, Workspace
 from floquet.engine.doubling.schedule import TOLERANCE
 from floquet.engine.eigen.symplectic import reciprocal_pairs
 from floquet.running.threads import single_blas_thread
 from periodic import SystemFamily
-from periodic.checks import FloatArray
+from periodic.checks import ComplexArray, FloatArray
 
 PEAK_SIZE = 512  # rows of the matrices whose product shows the peak rate of BLAS
 
@@ -42,16 +41,16 @@ class Stages:
         return self.operations / self.sampling
 
 
-def chart_multipliers(family: SystemFamily, Omega: float, eps: FloatArray) -> NDArray[np.complex128]:
+def chart_multipliers(family: SystemFamily, Omega: float, eps: FloatArray) -> ComplexArray:
     """Return all multipliers at the amplitudes of a column, shape (k, 2n), from the steps that the chart takes."""
     system = family.at(Omega)
     steps = steps_needed([system], np.array([Omega]), eps)
     found = []
     with single_blas_thread():
-        for block in blocks(system):
-            sampler, L = _sampler(block, Omega, eps, steps, Workspace())
+        for subsystem in subsystems(system):
+            sampler, L = _sampler(subsystem, Omega, eps, steps, Workspace())
             spectra = multipliers(sampler, eps, L, TOLERANCE)
-            mu = reciprocal_pairs(spectra.mu) if block.symplectic else spectra.mu
+            mu = reciprocal_pairs(spectra.mu) if subsystem.symplectic else spectra.mu
             found.append(mu * np.exp2(spectra.exponents)[:, None])
     return np.concatenate(found, axis=1)
 
@@ -64,7 +63,9 @@ def stages(family: SystemFamily, Omega: FloatArray, eps: FloatArray, every: int 
     systems = [system for part, _ in blocks_of_columns for system in part]
     steps = steps_needed([systems[0], systems[-1]], Omega[[0, -1]], eps)
     work = Workspace()
-    samplers = [_sampler(b, float(w), eps, steps, work) for s, w in zip(systems, Omega, strict=True) for b in blocks(s)]
+    samplers = [
+        _sampler(b, float(w), eps, steps, work) for s, w in zip(systems, Omega, strict=True) for b in subsystems(s)
+    ]
     operations = 0.0
     for sampler, L in samplers:
         plan = sampler.plan(eps, L, TOLERANCE)
@@ -82,7 +83,7 @@ def stages(family: SystemFamily, Omega: FloatArray, eps: FloatArray, every: int 
 
     def whole() -> None:
         for columns in blocks_of_columns:
-            chart_block(*columns, eps, steps)
+            chart_batch(*columns, eps, steps)
 
     A = np.random.default_rng(0).standard_normal((PEAK_SIZE, PEAK_SIZE))
     with single_blas_thread():
@@ -104,9 +105,9 @@ def stages_table(found: dict[tuple[int, float], Stages]) -> str:
     return "\n".join(lines)
 
 
-def _sampler(block: Block, Omega: float, eps: FloatArray, steps: float, work: Workspace) -> tuple[Sampler, int]:
-    sampler = Sampler(block, equations(block, least_frequency(Omega)), Omega, work)
-    return sampler, log2_steps(block, Omega, eps, steps)
+def _sampler(subsystem: Subsystem, Omega: float, eps: FloatArray, steps: float, work: Workspace) -> tuple[Sampler, int]:
+    sampler = Sampler.of(subsystem, Omega, work)
+    return sampler, log2_steps(subsystem, Omega, eps, steps)
 
 
 def _least(function: Callable[[], object], rounds: int) -> float:

@@ -17,9 +17,8 @@ from tqdm import tqdm
 
 from floquet import BoundaryTrace, Kind, trace_boundary
 from floquet.boundary.resonance import NoResonanceError
-from floquet.oracle.point import member_at
 from floquet.running.parallel import gather
-from periodic import PeriodicSystem, SystemFamily
+from periodic import PeriodicSystem, SystemFamily, member_at
 from periodic.checks import FloatArray, grid, interval, one_of, whole_number, workers
 from perturb import TransitionCurve, transition_curves
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
 
 
 def real_number(name: str, value: Any, *, positive: bool = False, nonnegative: bool = False) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -111,6 +111,24 @@ class PeriodicSystem:
     def at(self, Omega: float) -> PeriodicSystem:
         """Return the system itself: its matrices do not depend on the frequency (`SystemFamily`)."""
         return self
+
+
+def member_at(family: Any, Omega: float, name: str = "system") -> PeriodicSystem:
+    """Return the member of ``family`` at ``Omega``.
+
+    Raises
+    ------
+    ValueError
+        If ``family`` is no `SystemFamily`.
+    """
+    if isinstance(family, type) or not callable(getattr(family, "at", None)):
+        raise ValueError(
+            f"{name} = {family!r} is no system; give a PeriodicSystem or an object with a method at(Omega)"
+        )
+    member = family.at(Omega)
+    if not isinstance(member, PeriodicSystem):
+        raise ValueError(f"{name}.at({Omega!r}) gave {member!r}; it must give a PeriodicSystem")
+    return member
 
 
 def _square(name: str, value: ArrayLike, n: int) -> FloatArray:

@@ -10,10 +10,8 @@ from numpy.typing import NDArray
 from scipy.linalg import qr, solve_triangular
 
 from periodic import PeriodicSystem
-from periodic.checks import FloatArray, is_positive_definite
+from periodic.checks import ComplexArray, FloatArray, is_positive_definite
 from periodic.system import SYMMETRY_TOLERANCE
-
-ComplexArray = NDArray[np.complex128]
 
 # Frequencies closer than this part of the highest one are one repeated frequency: a hundred times what the
 # Hermitian eigenproblem loses at the sizes in use, so that the vectors within such a group are arbitrary.

@@ -21,10 +21,9 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import block_diag, cholesky, solve_triangular
 
-from periodic.checks import FloatArray
+from periodic.checks import ComplexArray, FloatArray
 from plate.basis import (
     kronecker,
     legendre,
@@ -37,8 +36,6 @@ from plate.basis import (
 )
 from plate.distribution import Distribution
 from plate.transverse import NumericArray, stress_quadrature, stress_stiffness
-
-ComplexArray = NDArray[np.complex128]
 
 # Share of the largest Legendre coefficient of a load below which a coefficient is rounding.
 ROUNDING = 1e-14

@@ -23,7 +23,7 @@ from compare.explorer.variation import SWEEPABLE, plate_table
 from compare.files.cases import STANDARD_REGIONS, Plate, load_case
 from compare.files.publish import staged
 from compare.study.own_system import own_system
-from floquet.chart.checkpoint import BlockStore
+from floquet.chart.checkpoint import TileStore
 from floquet_scripts import running
 from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import one_of
@@ -78,7 +78,7 @@ def main(arguments: list[str] | None = None) -> int:
     return running.run("explore", options, lambda store: _explore(subject, options, store))
 
 
-def _explore(subject: Subject, options: argparse.Namespace, store: BlockStore) -> int:
+def _explore(subject: Subject, options: argparse.Namespace, store: TileStore) -> int:
     write = _swept(subject, options) if options.sweep else _charted(subject, options, store)
     with staged(options.output) as folder:
         write(folder)
@@ -156,7 +156,7 @@ def _subject(options: argparse.Namespace) -> Subject:
     return replace(subject, **{name: value for name, value in given.items() if value is not None})
 
 
-def _charted(subject: Subject, options: argparse.Namespace, store: BlockStore) -> Callable[[Path], None]:
+def _charted(subject: Subject, options: argparse.Namespace, store: TileStore) -> Callable[[Path], None]:
     """Compute and report; return what writes the result into a folder."""
     family, progress = subject.family, not options.no_progress
     bokeh = _bokeh("--html") if options.html else None

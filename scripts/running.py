@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from compare.cluster import workers_at
-from floquet.chart.checkpoint import BlockStore
+from floquet.chart.checkpoint import TileStore
 
 UNFINISHED = ".unfinished"
 ALL_MODES = "integrate every mode of a large model, also those far above the window, which takes much longer"
@@ -71,17 +71,17 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     running.add_argument("--no-progress", action="store_true", help="no progress bars")
 
 
-def run(name: str, options: argparse.Namespace, work: Callable[[BlockStore], int]) -> int:
+def run(name: str, options: argparse.Namespace, work: Callable[[TileStore], int]) -> int:
     """Return the exit status of ``work``, or 2 for wrong input and 130 for an interruption, each with a sentence."""
     own = options.resume in (None, Path(UNFINISHED))
     folder = options.output / UNFINISHED if own else options.resume
     store, status = None, None
     try:
-        if own and any(folder.glob("*.block")):
+        if own and any(folder.glob("*.tile")):
             what = f"{folder} holds finished parts of charts of a run that was stopped"
             print(what if options.resume else f"{what}; --resume goes on with them")
         try:
-            store = BlockStore(folder, fresh=options.resume is None)
+            store = TileStore(folder, fresh=options.resume is None)
         except ValueError as error:
             raise ValueError(f"{f'--output {options.output}' if own else f'--resume {folder}'}: {error}") from None
         with workers_at(options.dask) as remark:
@@ -101,7 +101,7 @@ def run(name: str, options: argparse.Namespace, work: Callable[[BlockStore], int
             folder.rmdir()
 
 
-def _stopped(name: str, why: str, store: BlockStore | None, status: int) -> int:
+def _stopped(name: str, why: str, store: TileStore | None, status: int) -> int:
     """Say why the command ends, and how to go on if there is something to go on with."""
     print(f"{name}: {why}", file=sys.stderr)
     if store is not None and store.in_use:

@@ -15,7 +15,7 @@ from compare.files.publish import staged
 from compare.study.own_system import POINTS, own_system, system_subject
 from compare.study.report import write_report
 from compare.study.study import CaseStudy, Subject, run_case
-from floquet.chart.checkpoint import BlockStore
+from floquet.chart.checkpoint import TileStore
 from floquet_scripts import running
 
 EPILOG = f"""\
@@ -94,7 +94,7 @@ def _subjects(options: argparse.Namespace) -> list[Subject]:
     return subjects or [Subject.of_case(load_case(path)) for path in shipped_cases()]
 
 
-def _validate(subjects: list[Subject], options: argparse.Namespace, store: BlockStore) -> int:
+def _validate(subjects: list[Subject], options: argparse.Namespace, store: TileStore) -> int:
     studies = [_study(subject, options, store) for subject in subjects]
     claims = [] if options.case or options.system else _claims(options)
     with staged(options.output) as folder:
@@ -106,7 +106,7 @@ def _validate(subjects: list[Subject], options: argparse.Namespace, store: Block
     return 0 if all(study.agrees for study in studies) and all(claim.is_decided for claim in claims) else 1
 
 
-def _study(subject: Subject, options: argparse.Namespace, store: BlockStore) -> CaseStudy:
+def _study(subject: Subject, options: argparse.Namespace, store: TileStore) -> CaseStudy:
     progress = not options.no_progress
     try:
         study = run_case(subject, n_jobs=options.jobs, quick=options.quick, progress=progress, cache=store)

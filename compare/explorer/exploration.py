@@ -16,7 +16,7 @@ from compare.explorer.outlines import LEVELS, draw_outlines
 from compare.files.cases import MOST_POINTS
 from compare.pictures import overlay
 from floquet import Region, StabilityChart, stability_chart, trace_regions
-from floquet.chart.checkpoint import BlockStore
+from floquet.chart.checkpoint import TileStore
 from floquet.regions.outlines import largest_width
 from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import FloatArray, interval, one_of, real_number, whole_number
@@ -124,7 +124,7 @@ def explore(
     title: str = "",
     n_jobs: int = -1,
     progress: bool = False,
-    cache: str | os.PathLike[str] | BlockStore | None = None,
+    cache: str | os.PathLike[str] | TileStore | None = None,
 ) -> Exploration:
     """Integrate a window, trace its regions and lay the analytic curves over them.
 
@@ -148,7 +148,7 @@ def explore(
         Workers, as in joblib.
     progress : bool
         Show a progress bar.
-    cache : path or BlockStore, optional
+    cache : path or TileStore, optional
         Folder that keeps finished parts of the chart, as in `floquet.stability_chart`.
 
     Raises

@@ -12,9 +12,7 @@ from tqdm import tqdm
 from floquet import Kind, StabilityChart, monodromy
 from floquet.running.parallel import gather
 from periodic import SystemFamily
-from periodic.checks import FloatArray
-
-ComplexArray = NDArray[np.complex128]
+from periodic.checks import ComplexArray, FloatArray
 
 # Enough for a smooth curve of a solution with a dozen oscillations in a period.
 SAMPLES = 96

@@ -53,7 +53,7 @@ def write_report(studies: Sequence[CaseStudy], claims: Sequence[ClaimVerdict], f
     folder = Path(folder)
     pictures = {study.case.name: _save_pictures(study, folder) for study in studies}
     environment = Environment(
-        loader=PackageLoader("compare"),
+        loader=PackageLoader("compare.study"),
         autoescape=select_autoescape(("html",)),
         undefined=StrictUndefined,
         trim_blocks=True,

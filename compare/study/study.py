@@ -15,7 +15,7 @@ from compare.files.cases import Case
 from compare.pictures import Figure, Layer, overlay, region_panels, variant_panels
 from compare.verdicts import DEFAULT_LADDER, RegionAgreement, agreement, traced_curve
 from floquet import BoundaryTrace, StabilityChart, stability_chart
-from floquet.chart.checkpoint import BlockStore
+from floquet.chart.checkpoint import TileStore
 from floquet.running.parallel import gather
 from floquet.running.threads import single_blas_thread
 from periodic import SystemFamily
@@ -182,7 +182,7 @@ def run_case(
     n_jobs: int = -1,
     quick: bool = False,
     progress: bool = False,
-    cache: str | os.PathLike[str] | BlockStore | None = None,
+    cache: str | os.PathLike[str] | TileStore | None = None,
 ) -> CaseStudy:
     """Compute a case.
 
@@ -196,7 +196,7 @@ def run_case(
         Coarser charts and fewer points on the traced boundaries; the verdicts are the same.
     progress : bool
         Show progress bars.
-    cache : path or BlockStore, optional
+    cache : path or TileStore, optional
         Folder that keeps finished parts of the charts, as in `floquet.stability_chart`.
 
     Returns
@@ -225,7 +225,7 @@ def _run_variant(
     n_jobs: int,
     quick: bool,
     progress: bool,
-    cache: str | os.PathLike[str] | BlockStore | None,
+    cache: str | os.PathLike[str] | TileStore | None,
 ) -> VariantStudy:
     window, eps_max = subject.window, subject.eps
     columns, rows = QUICK_POINTS if quick else subject.points

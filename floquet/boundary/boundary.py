@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
-from floquet.boundary.pair import ComplexArray, LostError, Pair, Point
+from floquet.boundary.pair import LostError, Pair, Point
 from floquet.boundary.resonance import HIGHEST_ORDER, ORDERS, SIGNS, Resonance, nearest_resonance
 from floquet.kind import Kind
-from floquet.oracle.point import is_unstable, member_at
-from periodic import SystemFamily
-from periodic.checks import FloatArray, one_of, real_array, real_number, whole_number
+from floquet.oracle.point import is_unstable
+from periodic import SystemFamily, member_at
+from periodic.checks import ComplexArray, FloatArray, one_of, real_array, real_number, whole_number
 
 # Edges are found to this part of Omega; regions narrower than ten times that count as closed.
 RESOLUTION = 1e-10

@@ -7,15 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg as sla
-from numpy.typing import NDArray
 
 from floquet.boundary.resonance import Resonance
 from floquet.oracle.multipliers import eigensystem
 from floquet.oracle.point import period_map, propagate, steps_of_period
 from floquet.oracle.reduction import Reduction, modulation, reduce_system
 from periodic import PeriodicSystem, SystemFamily
-
-ComplexArray = NDArray[np.complex128]
+from periodic.checks import ComplexArray
 
 # Tolerance of the integration. The series cost little more than at 1e-11, and an edge is only as good as the
 # multipliers.
@@ -48,7 +46,7 @@ class Pair:
     Attributes
     ----------
     coupled : bool
-        Whether the two modes belong to the same block: if not, nothing can make them unstable together.
+        Whether the two modes belong to the same subsystem: if not, nothing can make them unstable together.
     strength : float
         Relative change of stiffness by the excitation at eps = 1.
     lock : float or None
@@ -59,8 +57,8 @@ class Pair:
         self.family = family
         self.resonance = resonance
         self.slowest = resonance.centre / (2 * np.pi)
-        blocks = reduce_system(family.at(resonance.centre), 1.0, self.slowest)
-        first, second = (_home(blocks, solution) for solution in resonance.solutions.T)
+        subsystems = reduce_system(family.at(resonance.centre), 1.0, self.slowest)
+        first, second = (_home(subsystems, solution) for solution in resonance.solutions.T)
         self.coupled = first is second
         self.strength = modulation(first.equations)
         self.lock = (-1.0) ** resonance.j if resonance.p == resonance.q else None
@@ -76,33 +74,35 @@ class Pair:
         """
         if Omega <= 0:
             raise LostError
-        block = self._block(Omega, eps)
+        subsystem = self._subsystem(Omega, eps)
         if with_error:
-            found = period_map(block, Omega, eps, TOLERANCE)
+            found = period_map(subsystem, Omega, eps, TOLERANCE)
             Phi, error = found.matrix, found.error
         else:
-            Phi = propagate(block, Omega, eps, steps_of_period(block, Omega), TOLERANCE, np.eye(len(block.from_q)))
+            Phi = propagate(
+                subsystem, Omega, eps, steps_of_period(subsystem, Omega), TOLERANCE, np.eye(len(subsystem.from_q))
+            )
             error = np.nan
         mu, left, right = eigensystem(Phi)
-        span, _ = np.linalg.qr(block.from_q @ reference)
+        span, _ = np.linalg.qr(subsystem.from_q @ reference)
         both = self._choose(mu, span.conj().T @ right, 2 * np.pi / Omega)
         with np.errstate(divide="ignore"):
             condition = 1 / np.abs(np.einsum("ij,ij->j", left[:, both].conj(), right[:, both]))
         shift = float(np.sum(condition / np.abs(mu[both])) * error)
-        value, error = instability(mu[both], self.lock, block.reciprocal, shift)
-        return Point(Omega, value, error, mu[both], block.to_q @ right[:, both])
+        value, error = instability(mu[both], self.lock, subsystem.reciprocal, shift)
+        return Point(Omega, value, error, mu[both], subsystem.to_q @ right[:, both])
 
     def likeness(self, point: Point, eps: float) -> float:
         """Return the cosine of the largest angle, in energy, between the two solutions at ``point`` and at eps = 0."""
-        from_q = self._block(point.Omega, eps).from_q
+        from_q = self._subsystem(point.Omega, eps).from_q
         return float(np.cos(sla.subspace_angles(from_q @ self.resonance.solutions, from_q @ point.solutions).max()))
 
-    def _block(self, Omega: float, eps: float) -> Reduction:
-        """Return the block of the pair; computed anew only if the system or eps has changed."""
+    def _subsystem(self, Omega: float, eps: float) -> Reduction:
+        """Return the subsystem of the pair; computed anew only if the system or eps has changed."""
         member = self.family.at(Omega)
         if self._latest is None or self._latest[0] is not member or self._latest[1] != eps:
-            blocks = reduce_system(member, eps, self.slowest)
-            self._latest = (member, eps, _home(blocks, self.resonance.solutions[:, 0]))
+            subsystems = reduce_system(member, eps, self.slowest)
+            self._latest = (member, eps, _home(subsystems, self.resonance.solutions[:, 0]))
         return self._latest[2]
 
     def _choose(self, mu: ComplexArray, inside: ComplexArray, T: float) -> list[int]:
@@ -187,6 +187,6 @@ def _partner(mu: ComplexArray, first: int, decay: float) -> int:
     return int(min(others, key=lambda i: abs(np.log(abs(mu[i] * mu[first])) + decay)))
 
 
-def _home(blocks: list[Reduction], solution: ComplexArray) -> Reduction:
-    """Return the block that a solution belongs to."""
-    return max(blocks, key=lambda block: float(np.linalg.norm(block.from_q @ solution)))
+def _home(subsystems: list[Reduction], solution: ComplexArray) -> Reduction:
+    """Return the subsystem that a solution belongs to."""
+    return max(subsystems, key=lambda subsystem: float(np.linalg.norm(subsystem.from_q @ solution)))

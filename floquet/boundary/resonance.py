@@ -8,10 +8,10 @@ from itertools import combinations, combinations_with_replacement
 
 import numpy as np
 import scipy.linalg as sla
-from numpy.typing import NDArray
 
 from floquet.oracle.reduction import constant_matrix, reduce_system
 from periodic import PeriodicSystem
+from periodic.checks import ComplexArray
 
 # A resonance further from `near`, relative to it, is not what was meant.
 FARTHEST = 0.05
@@ -60,7 +60,7 @@ class Resonance:
     kind: str
     centre: float
     decay: float
-    solutions: NDArray[np.complex128]
+    solutions: ComplexArray
 
 
 def nearest_resonance(
@@ -100,18 +100,18 @@ def nearest_resonance(
     return Resonance(p + 1, q + 1, j, kind, float(total[row] / j), float(decay[p] + decay[q]), both)
 
 
-def _oscillations(system: PeriodicSystem, near: float) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+def _oscillations(system: PeriodicSystem, near: float) -> tuple[ComplexArray, ComplexArray]:
     """Return the exponents i omega - decay at eps = 0, by increasing omega > 0, and the modes (2n, count) in (W', W).
 
-    Modes are those of the blocks into which the excited system splits: of two modes with equal frequency in different
-    blocks no mixture is formed.
+    Modes are those of the subsystems into which the excited system splits: of two modes with equal frequency in
+    different subsystems no mixture is formed.
     """
     exponents, modes = [], []
-    for block in reduce_system(system, 1.0, near / (2 * np.pi)):
-        values, vectors = sla.eig(constant_matrix(block.equations))
+    for subsystem in reduce_system(system, 1.0, near / (2 * np.pi)):
+        values, vectors = sla.eig(constant_matrix(subsystem.equations))
         oscillating = values.imag > SLOWEST * np.abs(values).max()
         exponents.append(values[oscillating])
-        modes.append(block.to_q @ vectors[:, oscillating])
+        modes.append(subsystem.to_q @ vectors[:, oscillating])
     exponent = np.concatenate(exponents)
     order = np.argsort(exponent.imag)
     return exponent[order], np.concatenate(modes, axis=1)[:, order]

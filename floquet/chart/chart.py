@@ -15,14 +15,13 @@ from numpy.typing import ArrayLike, NDArray
 from tqdm import tqdm
 
 from floquet.chart.audit import ChartAudit, integrate_again, sample
-from floquet.chart.checkpoint import BlockStore
-from floquet.engine.column import Columns, chart_block, steps_needed
+from floquet.chart.checkpoint import TileStore
+from floquet.engine.column import Columns, chart_batch, steps_needed
 from floquet.kind import Kind
-from floquet.oracle.point import member_at
 from floquet.running.files import replace_file
 from floquet.running.parallel import spread
-from periodic import SystemFamily
-from periodic.checks import FloatArray, grid, one_of, whole_number, workers
+from periodic import SystemFamily, member_at
+from periodic.checks import ComplexArray, FloatArray, grid, one_of, whole_number, workers
 
 # Columns a task: enough to hide joblib's overhead, and, in charts of many, to share the measurement of the error among
 # more; few enough for so many tasks to balance the load.
@@ -62,7 +61,7 @@ class StabilityChart:
     Omega: FloatArray
     eps: FloatArray
     growth_rate: FloatArray
-    multiplier: NDArray[np.complex128]
+    multiplier: ComplexArray
     kind: NDArray[np.int8]
     error: FloatArray
     audit: ChartAudit | None = None
@@ -141,7 +140,7 @@ def stability_chart(
     n_jobs: int | None = -1,
     progress: bool | None = None,
     audit: int = 16,
-    cache: str | os.PathLike[str] | BlockStore | None = None,
+    cache: str | os.PathLike[str] | TileStore | None = None,
 ) -> StabilityChart:
     """Integrate the periodic system at every point of a grid and return its stability chart.
 
@@ -162,10 +161,10 @@ def stability_chart(
     audit : int
         How many cells, drawn at random (always the same ones), to integrate again with `monodromy` for comparison,
         besides the one with the largest error; 0 for none.
-    cache : path or BlockStore, optional
-        A folder that keeps finished blocks of columns. A chart that was stopped, in whatever way, goes on where it was
+    cache : path or TileStore, optional
+        A folder that keeps finished tiles of columns. A chart that was stopped, in whatever way, goes on where it was
         when the same call names the same folder, and ends with the same bits; several processes may share a folder.
-        Nobody else clears it; `floquet.chart.checkpoint.BlockStore` can.
+        Nobody else clears it; `floquet.chart.checkpoint.TileStore` can.
 
     Returns
     -------
@@ -188,7 +187,7 @@ def stability_chart(
     n_jobs = workers("n_jobs", n_jobs)
     progress = one_of("progress", progress, (True, False, None))
     audit = whole_number("audit", audit, least=0)
-    store = cache if cache is None or isinstance(cache, BlockStore) else BlockStore(cache)
+    store = cache if cache is None or isinstance(cache, TileStore) else TileStore(cache)
 
     few = Omega[np.unique([0, Omega.size // 2, Omega.size - 1])]
     steps = steps_needed([family.at(float(w)) for w in few], few, eps)
@@ -200,9 +199,9 @@ def stability_chart(
     shape = (eps.size, Omega.size)
     cells = Columns(np.empty(shape), np.empty(shape, np.complex128), np.empty(shape, np.int8), np.empty(shape))
     with tqdm(total=Omega.size, unit="column", disable=None if progress is None else not progress) as bar:
-        for columns, block in _blocks(slices, inputs, store, n_jobs):
+        for columns, tile in _tiles(slices, inputs, store, n_jobs):
             for name in Columns._fields:
-                getattr(cells, name)[:, columns] = getattr(block, name)
+                getattr(cells, name)[:, columns] = getattr(tile, name)
             bar.update(columns.stop - columns.start)
     chart = StabilityChart(Omega, eps, *cells)
     return chart if audit == 0 else replace(chart, audit=_audited(family, chart, audit, n_jobs))
@@ -214,27 +213,27 @@ def tasks(columns: int) -> list[slice]:
     return [slice(start, min(start + count, columns)) for start in range(0, columns, count)]
 
 
-def _blocks(
-    slices: Sequence[slice], inputs: Callable[[slice], tuple[Any, ...]], store: BlockStore | None, n_jobs: int | None
+def _tiles(
+    slices: Sequence[slice], inputs: Callable[[slice], tuple[Any, ...]], store: TileStore | None, n_jobs: int | None
 ) -> Iterator[tuple[slice, Columns]]:
-    """Yield each block of columns, first those in ``store``, then the others as they are computed, and keep these.
+    """Yield each tile of columns, first those in ``store``, then the others as they are computed, and keep these.
 
     The store is read and written here, by one process: workers on other machines need not see the folder.
     """
     missing, paths = [], {}
     for columns in slices:
-        block = None
+        tile = None
         if store is not None:
             paths[columns.start] = store.path(*inputs(columns))
-            block = store.load(paths[columns.start])
-        if block is None:
+            tile = store.load(paths[columns.start])
+        if tile is None:
             missing.append(columns)
         else:
-            yield columns, block
-    for i, block in spread(chart_block, map(inputs, missing), n_jobs):
+            yield columns, tile
+    for i, tile in spread(chart_batch, map(inputs, missing), n_jobs):
         if store is not None:
-            store.save(paths[missing[i].start], block)
-        yield missing[i], block
+            store.save(paths[missing[i].start], tile)
+        yield missing[i], tile
 
 
 def _audited(family: SystemFamily, chart: StabilityChart, size: int, n_jobs: int | None) -> ChartAudit:

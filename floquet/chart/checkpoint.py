@@ -1,4 +1,4 @@
-"""Finished blocks of a chart on disk: a chart that was stopped goes on where it was, and ends with the same bits."""
+"""Finished tiles of a chart on disk: a chart that was stopped goes on where it was, and ends with the same bits."""
 
 from __future__ import annotations
 
@@ -27,21 +27,21 @@ from periodic.checks import FloatArray
 DIGEST_BYTES = 32
 
 
-class BlockStore:
-    """A folder of finished blocks of columns, one file each, which several processes may share.
+class TileStore:
+    """A folder of finished tiles of columns, one file each, which several processes may share.
 
     A file's name is the hash of all that its content depends on: matrices, frequencies, amplitudes, steps, this
     package's code, the libraries and the kind of processor. It appears complete or not at all, and carries the hash of
     its content: what a power cut or a bad disk damaged counts as not there.
 
-    It remembers which blocks it has read or written, so that `clear` removes these and nobody else's.
+    It remembers which tiles it has read or written, so that `clear` removes these and nobody else's.
 
     Parameters
     ----------
     folder : str or path-like
         Made if it does not exist.
     fresh : bool
-        Take no block that was there before; keep new ones all the same.
+        Take no tile that was there before; keep new ones all the same.
 
     Raises
     ------
@@ -61,7 +61,7 @@ class BlockStore:
             raise ValueError(self._refusal(error)) from None
 
     def path(self, systems: Sequence[PeriodicSystem], Omega: FloatArray, eps: FloatArray, steps: float) -> Path:
-        """Return where the block with these inputs of `floquet.engine.column.chart_block` is kept."""
+        """Return where the tile with these inputs of `floquet.engine.column.chart_batch` is kept."""
         digest = hashlib.sha256(code_version() + processor().encode())
         for array in (Omega, eps, np.array(steps)):
             _add(digest, array)
@@ -69,10 +69,10 @@ class BlockStore:
             _add(digest, np.array(len(list(same))))
             for array in vars(system).values():
                 _add(digest, array)
-        return self.folder / f"{digest.hexdigest()}.block"
+        return self.folder / f"{digest.hexdigest()}.tile"
 
     def load(self, path: Path) -> Columns | None:
-        """Return the block in ``path``; None if there is none, it is damaged, or the store is to be fresh."""
+        """Return the tile in ``path``; None if there is none, it is damaged, or the store is to be fresh."""
         if self.fresh and path not in self._used:
             return None
         try:
@@ -86,8 +86,8 @@ class BlockStore:
         with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
             return Columns(*(arrays[name] for name in Columns._fields))
 
-    def save(self, path: Path, block: Columns) -> None:
-        """Write a block, in one step as others see it, even if the power fails.
+    def save(self, path: Path, tile: Columns) -> None:
+        """Write a tile, in one step as others see it, even if the power fails.
 
         Raises
         ------
@@ -95,24 +95,22 @@ class BlockStore:
             If it cannot be written, for instance because the disk is full.
         """
         buffer = io.BytesIO()
-        np.savez(buffer, **block._asdict())
+        np.savez(buffer, **tile._asdict())
         content = buffer.getvalue()
         self._used.add(path)
         try:
-            self.folder.mkdir(
-                parents=True, exist_ok=True
-            )  # another process may have cleared its blocks, and the folder
+            self.folder.mkdir(parents=True, exist_ok=True)  # another process may have cleared its tiles, and the folder
             replace_file(path, hashlib.sha256(content).digest() + content)
         except OSError as error:
             raise ValueError(self._refusal(error)) from None
 
     @property
     def in_use(self) -> bool:
-        """Whether any block has been read or written here."""
+        """Whether any tile has been read or written here."""
         return bool(self._used)
 
     def clear(self) -> None:
-        """Remove the blocks that were read or written here, and the folder if nothing else is in it."""
+        """Remove the tiles that were read or written here, and the folder if nothing else is in it."""
         for path in self._used:
             path.unlink(missing_ok=True)
         self._used.clear()

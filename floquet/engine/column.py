@@ -1,4 +1,4 @@
-"""One column of a chart: all amplitudes at one frequency, block by block, each with its error."""
+"""One column of a chart: all amplitudes at one frequency, subsystem by subsystem, each with its error."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from floquet.engine.coordinates import Block, blocks, equations
+from floquet.engine.coordinates import Subsystem, subsystems
 from floquet.engine.doubling.sampling import Sampler, Workspace, largest_amplitude
 from floquet.engine.doubling.schedule import TOLERANCE
 from floquet.engine.eigen.hessenberg import eigenvalues
@@ -20,7 +20,6 @@ from floquet.engine.krein import held_apart
 from floquet.engine.verdict import (
     TINY,
     Cells,
-    ComplexArray,
     Dominant,
     combine,
     discrepancy,
@@ -31,7 +30,7 @@ from floquet.engine.verdict import (
 from floquet.kind import Kind
 from floquet.running.threads import single_blas_thread
 from periodic import PeriodicSystem
-from periodic.checks import FloatArray
+from periodic.checks import ComplexArray, FloatArray
 
 # Steps in one cycle of the fastest motion, at least. With fewer than two and a bit, the steps themselves are in
 # resonance with the fast modes, which then look unstable.
@@ -57,17 +56,17 @@ class Columns(NamedTuple):
     error: FloatArray
 
 
-def chart_block(systems: Sequence[PeriodicSystem], Omega: FloatArray, eps: FloatArray, steps_a_cycle: float) -> Columns:
+def chart_batch(systems: Sequence[PeriodicSystem], Omega: FloatArray, eps: FloatArray, steps_a_cycle: float) -> Columns:
     """Return some columns of a chart, one for each system and frequency.
 
     A pure function, in which each column depends on its own system and frequency, ``eps`` and ``steps_a_cycle`` alone:
-    blocks can be computed anywhere, in any order, and kept.
+    subsystems can be computed anywhere, in any order, and kept.
     """
     work, cells, done = Workspace(), [], 0
     with single_blas_thread():
         for system, same in groupby(systems, key=lambda system: system):
             count = len(list(same))
-            cells.append(_columns(blocks(system), Omega[done : done + count], eps, steps_a_cycle, work))
+            cells.append(_columns(subsystems(system), Omega[done : done + count], eps, steps_a_cycle, work))
             done += count
     log_modulus, angle, error, kind = (np.concatenate(parts).T for parts in zip(*cells, strict=True))
     with np.errstate(over="ignore"):
@@ -80,32 +79,32 @@ def chart_block(systems: Sequence[PeriodicSystem], Omega: FloatArray, eps: Float
 
 
 def steps_needed(systems: Sequence[PeriodicSystem], Omega: FloatArray, eps: FloatArray) -> float:
-    """Return how many steps in one cycle of the fastest motion the given columns need, for `chart_block`."""
+    """Return how many steps in one cycle of the fastest motion the given columns need, for `chart_batch`."""
     work = Workspace()
     with single_blas_thread():
         return max(
-            _needed_steps(block, float(frequency), eps, work)
+            _needed_steps(subsystem, float(frequency), eps, work)
             for system, frequency in zip(systems, Omega, strict=True)
-            for block in blocks(system)
+            for subsystem in subsystems(system)
         )
 
 
 def _columns(
-    parts: Sequence[Block], Omega: FloatArray, eps: FloatArray, steps_a_cycle: float, work: Workspace
+    parts: Sequence[Subsystem], Omega: FloatArray, eps: FloatArray, steps_a_cycle: float, work: Workspace
 ) -> Cells:
     """Return the cells of a system at some neighbouring frequencies, arrays of shape (frequencies, k)."""
     measured = _measured(Omega)
     cells = []
-    for block in parts:
+    for subsystem in parts:
         columns = [
-            _column(block, float(w), eps, steps_a_cycle, work, measure=i in measured) for i, w in enumerate(Omega)
+            _column(subsystem, float(w), eps, steps_a_cycle, work, measure=i in measured) for i, w in enumerate(Omega)
         ]
         found = Dominant(*(np.array(part) for part in zip(*(column.found for column in columns), strict=True)))
-        E = _errors(block, eps, columns, found.excess, measured)
-        judged = judge(found, E, block.symplectic or block.reversible)
-        if block.symplectic:
+        E = _errors(subsystem, eps, columns, found.excess, measured)
+        judged = judge(found, E, subsystem.reciprocal)
+        if subsystem.symplectic:
             for i in np.flatnonzero(_in_doubt(judged).any(axis=1)):
-                _look_again(block, float(Omega[i]), eps, steps_a_cycle, work, Cells(*(x[i] for x in judged)), E[i])
+                _look_again(subsystem, float(Omega[i]), eps, steps_a_cycle, work, Cells(*(x[i] for x in judged)), E[i])
         cells.append(judged)
     return combine(cells)
 
@@ -116,12 +115,18 @@ def _in_doubt(judged: Cells) -> NDArray[np.bool_]:
 
 
 def _look_again(
-    block: Block, Omega: float, eps: FloatArray, steps_a_cycle: float, work: Workspace, judged: Cells, E: FloatArray
+    subsystem: Subsystem,
+    Omega: float,
+    eps: FloatArray,
+    steps_a_cycle: float,
+    work: Workspace,
+    judged: Cells,
+    E: FloatArray,
 ) -> None:
     """Decide cells of a column, in place, whose multipliers are held apart by Krein's form."""
     cells = np.flatnonzero(_in_doubt(judged))
-    sampler = Sampler(block, equations(block, least_frequency(Omega)), Omega, work)
-    Phi = sampler.matrices(eps[cells], log2_steps(block, Omega, eps, steps_a_cycle), TOLERANCE)
+    sampler = Sampler.of(subsystem, Omega, work)
+    Phi = sampler.matrices(eps[cells], log2_steps(subsystem, Omega, eps, steps_a_cycle), TOLERANCE)
     stable = cells[held_apart(Phi, E[cells])]
     judged.kind[stable] = Kind.STABLE
     judged.log_modulus[stable] = 0.0
@@ -129,7 +134,7 @@ def _look_again(
 
 
 class _Column(NamedTuple):
-    """The dominant multipliers of a block at one frequency, and what their errors follow from."""
+    """The dominant multipliers of a subsystem at one frequency, and what their errors follow from."""
 
     found: Dominant
     losses: FloatArray
@@ -139,17 +144,17 @@ class _Column(NamedTuple):
 
 
 def _column(
-    block: Block, Omega: float, eps: FloatArray, steps_a_cycle: float, work: Workspace, *, measure: bool
+    subsystem: Subsystem, Omega: float, eps: FloatArray, steps_a_cycle: float, work: Workspace, *, measure: bool
 ) -> _Column:
     """Integrate a column; ``measure`` its error at two amplitudes, by integrating once more with half the step."""
-    L = log2_steps(block, Omega, eps, steps_a_cycle)
-    sampler = Sampler(block, equations(block, least_frequency(Omega)), Omega, work)
+    L = log2_steps(subsystem, Omega, eps, steps_a_cycle)
+    sampler = Sampler.of(subsystem, Omega, work)
     mu, exponents, losses, norms = multipliers(sampler, eps, L, TOLERANCE)
-    if block.symplectic:
+    if subsystem.symplectic:
         found = dominant_symplectic(mu, exponents, norms)
     else:
-        found = dominant(mu, exponents, norms, block.reversible)
-    cycles = fastest(block, Omega, eps) / Omega
+        found = dominant(mu, exponents, norms, subsystem.reversible)
+    cycles = fastest(subsystem, Omega, eps) / Omega
     step, slope = cycles / 2.0**L, 0.0
     if measure:
         tested = _tested(eps)
@@ -160,7 +165,7 @@ def _column(
 
 
 def _errors(
-    block: Block, eps: FloatArray, columns: Sequence[_Column], nu: FloatArray, measured: Sequence[int]
+    subsystem: Subsystem, eps: FloatArray, columns: Sequence[_Column], nu: FloatArray, measured: Sequence[int]
 ) -> FloatArray:
     """Return the errors E (columns, k) of neighbouring columns, of which some were ``measured``.
 
@@ -178,8 +183,8 @@ def _errors(
     slope = slope[list(measured)]
     unit = cycles * step**4 * np.maximum(slope[before], slope[after])
     truncation = unit[:, None] * np.abs(eps) * nu
-    roundings = STEP_ROUNDINGS * cycles / step + ROUNDINGS * 2 * len(block.K)
-    rounding = UNIT * roundings[:, None] * (nu if block.symplectic else nu**2)
+    roundings = STEP_ROUNDINGS * cycles / step + ROUNDINGS * 2 * len(subsystem.K)
+    rounding = UNIT * roundings[:, None] * (nu if subsystem.symplectic else nu**2)
     return np.asarray(SAFETY * losses * np.maximum(truncation, rounding))
 
 
@@ -192,31 +197,26 @@ def _measured(Omega: FloatArray) -> list[int]:
     return found
 
 
-def _needed_steps(block: Block, Omega: float, eps: FloatArray, work: Workspace) -> float:
+def _needed_steps(subsystem: Subsystem, Omega: float, eps: FloatArray, work: Workspace) -> float:
     """Return how many steps in one cycle of the fastest motion bring the error at ``Omega`` down to TARGET."""
-    sampler, some = Sampler(block, equations(block, least_frequency(Omega)), Omega, work), eps[_tested(eps)]
+    sampler, some = Sampler.of(subsystem, Omega, work), eps[_tested(eps)]
     steps = LEAST_STEPS
     while True:
-        L = log2_steps(block, Omega, eps, steps)
+        L = log2_steps(subsystem, Omega, eps, steps)
         found = multipliers(sampler, some, L, TOLERANCE)
         error = _discrepancies(sampler, found.mu, found.exponents, some, L).max()
-        taken = 2.0**L * Omega / fastest(block, Omega, eps)
+        taken = 2.0**L * Omega / fastest(subsystem, Omega, eps)
         steps = min(max(taken * (error / TARGET) ** 0.25, LEAST_STEPS), MOST_STEPS)  # fourth order
         if steps <= 4 * taken or L == MOST_DOUBLINGS:
             return steps
 
 
-def fastest(block: Block, Omega: float, eps: FloatArray) -> float:
+def fastest(subsystem: Subsystem, Omega: float, eps: FloatArray) -> float:
     """Return the rate of the fastest motion: of the system at its stiffest, or of the excitation."""
-    return max(math.sqrt(block.rate**2 + largest_amplitude(eps) * block.modulation), len(block.Fc) * Omega)
+    return max(math.sqrt(subsystem.rate**2 + largest_amplitude(eps) * subsystem.modulation), len(subsystem.Fc) * Omega)
 
 
-def least_frequency(Omega: float) -> float:
-    """Return a frequency well below Omega that serves as a scale where there is no stiffness; few different ones."""
-    return 2.0 ** math.floor(math.log2(Omega / 50))
-
-
-def log2_steps(block: Block, Omega: float, eps: FloatArray, steps_a_cycle: float) -> int:
+def log2_steps(subsystem: Subsystem, Omega: float, eps: FloatArray, steps_a_cycle: float) -> int:
     """Return L, where 2^L steps make one period.
 
     Raises
@@ -224,7 +224,7 @@ def log2_steps(block: Block, Omega: float, eps: FloatArray, steps_a_cycle: float
     ValueError
         If they would have to be more than 2^MOST_DOUBLINGS.
     """
-    cycles = fastest(block, Omega, eps) / Omega
+    cycles = fastest(subsystem, Omega, eps) / Omega
     if not LEAST_STEPS * cycles <= 2.0**MOST_DOUBLINGS:
         raise ValueError(
             f"Omega = {Omega!r} with eps up to {largest_amplitude(eps)!r}: one period has {cycles:.2g} cycles of the "
@@ -234,7 +234,7 @@ def log2_steps(block: Block, Omega: float, eps: FloatArray, steps_a_cycle: float
 
 
 class Spectra(NamedTuple):
-    """Multipliers 2^exponents[c] mu[c, i] of k cells of a block; for a symplectic one ``mu`` is mu + 1/mu.
+    """Multipliers 2^exponents[c] mu[c, i] of k cells of a subsystem; for a symplectic one ``mu`` is mu + 1/mu.
 
     ``losses`` as in `Scale`; ``norms`` are those of the matrices, 1 for a rotation, at the scale of ``mu``.
     """
@@ -246,8 +246,8 @@ class Spectra(NamedTuple):
 
 
 def multipliers(sampler: Sampler, eps: FloatArray, L: int, tolerance: float) -> Spectra:
-    """Return the multipliers of a block at the amplitudes ``eps``, from 2^L steps a period."""
-    solve = symplectic_eigenvalues if sampler.block.symplectic else eigenvalues
+    """Return the multipliers of a subsystem at the amplitudes ``eps``, from 2^L steps a period."""
+    solve = symplectic_eigenvalues if sampler.subsystem.symplectic else eigenvalues
     parts = []
     for panel in sampler.panels(eps, L, tolerance):
         mu = solve(panel.samples, panel.weights)[: panel.norms.size]
@@ -275,6 +275,6 @@ def _discrepancies(sampler: Sampler, mu: ComplexArray, exponents: FloatArray, ep
     """Return E at the amplitudes ``eps``, whose multipliers from 2^L steps are given as by `multipliers`."""
     again = multipliers(sampler, eps, L + 1, TOLERANCE / 10)
     finer = again.mu * 2.0 ** np.clip(again.exponents - exponents, -1000, 1000)[:, None]
-    if sampler.block.symplectic and not exponents.any():  # beyond the range of exponents mu + 1/mu is mu
+    if sampler.subsystem.symplectic and not exponents.any():  # beyond the range of exponents mu + 1/mu is mu
         mu, finer = reciprocal_pairs(mu), reciprocal_pairs(finer)
     return discrepancy(mu, finer)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple
@@ -9,16 +10,17 @@ from typing import NamedTuple
 import numpy as np
 import scipy.linalg as sla
 
-from floquet.engine.decoupling import independent_blocks
+from floquet.engine.decoupling import invariant_subspaces
 from periodic import PeriodicSystem
 from periodic.checks import FloatArray
 
-# Asymmetry of a matrix, and damping of a block, below this part of the largest entry come from assembling the matrices.
+# Asymmetry of a matrix, and damping of a subsystem, below this part of the largest entry come from assembling the
+# matrices.
 ROUNDING = 1e-13
 
 
 @dataclass(frozen=True, eq=False)
-class Block:
+class Subsystem:
     """An independent subsystem in modal coordinates r: r'' + (G + C) r' + (K + eps F(t)) r = 0.
 
     Attributes
@@ -32,7 +34,7 @@ class Block:
     modulation : float
         Bound on the norm of F(t).
     symplectic : bool
-        No damping, all stiffness symmetric: the block is a Hamiltonian system.
+        No damping, all stiffness symmetric: the subsystem is a Hamiltonian system.
     reversible : bool
         No terms in r', excitation even in time; then with mu also 1/mu is a multiplier.
     """
@@ -48,6 +50,11 @@ class Block:
     symplectic: bool
     reversible: bool
 
+    @property
+    def reciprocal(self) -> bool:
+        """Whether with mu also 1 / conj(mu) is a multiplier."""
+        return self.symplectic or self.reversible
+
 
 class Equations(NamedTuple):
     """y' = A y - eps [[0, 0], [diag(left) F(t) diag(right), 0]] y, with ``A`` (2b, 2b), ``left`` and ``right`` (b,).
@@ -62,16 +69,16 @@ class Equations(NamedTuple):
 
 
 @lru_cache(maxsize=8)  # most families have one system for all frequencies
-def blocks(system: PeriodicSystem) -> tuple[Block, ...]:
+def subsystems(system: PeriodicSystem) -> tuple[Subsystem, ...]:
     """Return the independent subsystems of ``system``."""
     inverse = sla.solve_triangular(np.linalg.cholesky(system.mass), np.eye(system.size), lower=True)
     constant = np.array([system.gyroscopic, system.damping, system.stiffness])
     matrices = np.concatenate([constant, system.cosine, system.sine])
-    bases = independent_blocks(inverse @ matrices @ inverse.T)
-    return tuple(_block(system, matrices, inverse.T @ X) for X in bases)
+    bases = invariant_subspaces(inverse @ matrices @ inverse.T)
+    return tuple(_subsystem(system, matrices, inverse.T @ X) for X in bases)
 
 
-def _block(system: PeriodicSystem, matrices: FloatArray, V: FloatArray) -> Block:
+def _subsystem(system: PeriodicSystem, matrices: FloatArray, V: FloatArray) -> Subsystem:
     K = V.T @ system.stiffness @ V
     V = V @ sla.eigh(K + K.T)[1]
     # once more, now that V is nearly orthonormal: an ill-conditioned mass matrix costs digits the first time
@@ -84,7 +91,7 @@ def _block(system: PeriodicSystem, matrices: FloatArray, V: FloatArray) -> Block
     Fc, Fs = np.array(F[: system.harmonics]), np.array(F[system.harmonics :])
     damped = np.abs(C).max() > ROUNDING * np.linalg.norm(system.damping, 2)
     free = np.block([[np.zeros_like(K), np.eye(len(K))], [-K, -G - C]])
-    return Block(
+    return Subsystem(
         V,
         G,
         C,
@@ -98,25 +105,31 @@ def _block(system: PeriodicSystem, matrices: FloatArray, V: FloatArray) -> Block
     )
 
 
+def least_frequency(Omega: float) -> float:
+    """Return a frequency well below Omega that serves as a scale where there is no stiffness; few different ones."""
+    return 2.0 ** math.floor(math.log2(Omega / 50))
+
+
 @lru_cache(maxsize=64)
-def equations(block: Block, least: float) -> Equations:
-    """Return the first-order equations of ``block``.
+def equations(subsystem: Subsystem, least: float) -> Equations:
+    """Return the first-order equations of ``subsystem``.
 
     With w the square roots of the (moduli of the) stiffnesses, but at least ``least``: energy coordinates
     y = (w r, r'), in which the free conservative motion is a rotation and damping only shrinks |y|; for a symplectic
-    block the canonical ones, y = (w^1/2 r, w^-1/2 (r' + G r / 2)), the same but for scaling and the gyroscopic term.
+    subsystem the canonical ones, y = (w^1/2 r, w^-1/2 (r' + G r / 2)), the same but for scaling and the gyroscopic
+    term.
     """
-    b = len(block.K)
-    w = np.maximum(np.sqrt(np.abs(np.diag(block.K))), least)
+    b = len(subsystem.K)
+    w = np.maximum(np.sqrt(np.abs(np.diag(subsystem.K))), least)
     root = np.sqrt(w)
-    scaled = np.concatenate([block.Fc, block.Fs]) / np.outer(root, root)
+    scaled = np.concatenate([subsystem.Fc, subsystem.Fs]) / np.outer(root, root)
     cosine, sine = np.linalg.norm(scaled, 2, axis=(1, 2)).reshape(2, -1)
     strength = tuple((np.hypot(cosine, sine) / 2).tolist())
-    if not block.symplectic:
-        A = np.block([[np.zeros((b, b)), np.diag(w)], [-block.K / w, -block.G - block.C]])
+    if not subsystem.symplectic:
+        A = np.block([[np.zeros((b, b)), np.diag(w)], [-subsystem.K / w, -subsystem.G - subsystem.C]])
         return Equations(A, np.ones(b), 1 / w, strength)
-    half = block.G / 2
-    stiffness = block.K - half @ half
+    half = subsystem.G / 2
+    stiffness = subsystem.K - half @ half
     A = np.block(
         [
             [-root[:, None] * half / root, np.diag(w)],

@@ -1,4 +1,4 @@
-"""Independent subsystems: coordinates in which all matrices of a system fall into the same diagonal blocks."""
+"""Independent subsystems: coordinates in which all matrices of a system fall into the same diagonal subsystems."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ COUPLING = 1e-11
 COMBINATIONS = 2
 
 
-def independent_blocks(matrices: FloatArray) -> list[FloatArray]:
+def invariant_subspaces(matrices: FloatArray) -> list[FloatArray]:
     """Return orthonormal bases (n, b) of subspaces that all ``matrices`` (p, n, n) and their transposes leave
     invariant.
 
@@ -23,7 +23,7 @@ def independent_blocks(matrices: FloatArray) -> list[FloatArray]:
     read off the matrices in this basis. A symmetric load, for instance, leaves even and odd shapes apart.
     (Subsystems that occur twice share eigenvalues and are left together: correct, only slower.)
 
-    Their order depends on the subspaces alone, so that a block of a family has the same place at every frequency.
+    Their order depends on the subspaces alone, so that a subsystem of a family has the same place at every frequency.
     """
     sizes = np.linalg.norm(matrices, axis=(1, 2))
     scaled = matrices[sizes > 0] / sizes[sizes > 0, None, None]

@@ -1,4 +1,4 @@
-"""A second look at cells of a conservative block that the gaps between multipliers leave undecided.
+"""A second look at cells of a conservative subsystem that the gaps between multipliers leave undecided.
 
 Multipliers leave the unit circle only by meeting, and the error E of a cell allows those to meet that are less than a
 few sqrt(E) apart. But they need not be about to: near a meeting their eigenvectors become parallel, and far from it

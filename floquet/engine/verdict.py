@@ -14,9 +14,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from floquet.kind import Kind
-from periodic.checks import FloatArray
-
-ComplexArray = NDArray[np.complex128]
+from periodic.checks import ComplexArray, FloatArray
 
 # Multipliers on the unit circle whose distance is more than this times sqrt(E) cannot meet and leave it: the error of
 # the square of their distance is 4 E.
@@ -34,7 +32,7 @@ class Cells(NamedTuple):
 
 
 class Dominant(NamedTuple):
-    """The dominant multiplier of each cell of a block: log|mu|, argument, relative distance to the nearest other.
+    """The dominant multiplier of each cell of a subsystem: log|mu|, argument, relative distance to the nearest other.
 
     If no multiplier is off the unit circle, ``gap`` is the smallest distance between any two. ``excess`` is the norm of
     the matrix in units of the dominant multiplier, at least 1, which is what it is for a normal matrix.
@@ -175,7 +173,7 @@ def discrepancy(mu: ComplexArray, other: ComplexArray) -> FloatArray:
 
 
 def judge(found: Dominant, E: FloatArray, conservative: bool) -> Cells:
-    """Return the cells of a block; ``conservative``: with mu also 1 / conj(mu) is a multiplier."""
+    """Return the cells of a subsystem; ``conservative``: with mu also 1 / conj(mu) is a multiplier."""
     with np.errstate(divide="ignore"):
         error = np.minimum(E / np.minimum(found.gap, 1), np.sqrt(E))
     log_modulus = found.log_modulus
@@ -191,16 +189,16 @@ def judge(found: Dominant, E: FloatArray, conservative: bool) -> Cells:
     return Cells(log_modulus, found.angle, error, kind)
 
 
-def combine(blocks: list[Cells]) -> Cells:
-    """Return the cells of a system from those of its independent blocks."""
-    log_modulus = np.array([cells.log_modulus for cells in blocks])
-    error = np.array([cells.error for cells in blocks])
-    kinds = np.array([cells.kind for cells in blocks])
-    angles = np.array([cells.angle for cells in blocks])
+def combine(subsystems: list[Cells]) -> Cells:
+    """Return the cells of a system from those of its independent subsystems."""
+    log_modulus = np.array([cells.log_modulus for cells in subsystems])
+    error = np.array([cells.error for cells in subsystems])
+    kinds = np.array([cells.kind for cells in subsystems])
+    angles = np.array([cells.angle for cells in subsystems])
     value = log_modulus.max(axis=0)
     above = (log_modulus + error).max(axis=0) - value
     below = value - (log_modulus - error).max(axis=0)
-    # one unstable block makes the system unstable, one undecided block leaves it undecided
+    # one unstable subsystem makes the system unstable, one undecided subsystem leaves it undecided
     unstable = kinds > Kind.STABLE
     top = np.where(unstable | ~unstable.any(axis=0), log_modulus, -np.inf).argmax(axis=0)[None]
     angle, dominant_kind = (np.take_along_axis(array, top, axis=0)[0] for array in (angles, kinds))

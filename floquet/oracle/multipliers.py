@@ -12,9 +12,7 @@ from scipy.optimize import brentq
 from scipy.sparse.csgraph import connected_components
 
 from floquet.kind import Kind
-from periodic.checks import FloatArray
-
-ComplexArray = NDArray[np.complex128]
+from periodic.checks import ComplexArray, FloatArray
 
 # A multiplier whose error, to first order in that of the matrix, is below this part of the distance to its nearest
 # neighbour is isolated: it is known to first order, and no admissible error lets it meet another.
@@ -114,12 +112,12 @@ def eigensystem(Phi: FloatArray) -> tuple[ComplexArray, ComplexArray, ComplexArr
 
 
 def combine(spectra: Sequence[Spectrum]) -> Spectrum:
-    """Return the spectrum of a system made of decoupled blocks from those of the blocks."""
+    """Return the spectrum of a system made of decoupled subsystems from those of the subsystems."""
     value = max(s.log_modulus for s in spectra)
     upper = max(s.log_modulus + s.error for s in spectra)
     lower = max(s.log_modulus - s.error for s in spectra)
     unstable = [s for s in spectra if s.kind > Kind.STABLE]
-    # without an unstable block, one undecided block leaves the whole undecided
+    # without an unstable subsystem, one undecided subsystem leaves the whole undecided
     kind = max(unstable, key=lambda s: s.log_modulus).kind if unstable else min(s.kind for s in spectra)
     mu = by_modulus(np.concatenate([s.multipliers for s in spectra]))
     return Spectrum(mu, value, max(upper - value, value - lower), kind)

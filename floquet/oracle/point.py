@@ -5,18 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import accumulate, pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg as sla
-from numpy.typing import NDArray
 
 from floquet.kind import Kind
 from floquet.oracle.multipliers import combine, spectrum
 from floquet.oracle.reduction import Reduction, reduce_system
 from floquet.oracle.taylor import LARGEST, OVERFLOWN, UNIT, integrate
-from periodic import PeriodicSystem, SystemFamily
-from periodic.checks import FloatArray, real_number
+from periodic import PeriodicSystem, SystemFamily, member_at
+from periodic.checks import ComplexArray, FloatArray, real_number
 
 TOLERANCE = 1e-11
 # Length of a step times the rate of the fastest motion. Longer steps need fewer terms in all (8.0 per radian at 4,
@@ -56,7 +55,7 @@ class Monodromy:
     """
 
     matrix: FloatArray
-    multipliers: NDArray[np.complex128]
+    multipliers: ComplexArray
     growth_rate: float
     error: float
     log_modulus_error: float
@@ -64,7 +63,7 @@ class Monodromy:
 
 
 class PeriodMap(NamedTuple):
-    """Monodromy matrix of one block in its energy coordinates, with the estimated Frobenius norms of its errors.
+    """Monodromy matrix of one subsystem in its energy coordinates, with the estimated Frobenius norms of its errors.
 
     ``error`` belongs to ``matrix``, ``error_in_q`` to the matrix in (W', W).
     """
@@ -112,16 +111,23 @@ def monodromy(system: SystemFamily, Omega: float, eps: float, *, tolerance: floa
     if not 1e-15 <= tolerance <= 1e-3:
         raise ValueError(f"tolerance = {tolerance!r} is out of range; give a number from 1e-15 to 1e-3")
     member = member_at(system, Omega)
-    blocks = reduce_system(member, eps, Omega / (2 * np.pi))
-    maps = [period_map(block, Omega, eps, tolerance) for block in blocks]
+    subsystems = reduce_system(member, eps, Omega / (2 * np.pi))
+    maps = [period_map(subsystem, Omega, eps, tolerance) for subsystem in subsystems]
     joint = combine(
         [
-            spectrum(found.matrix, found.error, reciprocal=block.reciprocal, bounded=block.bounded, form=block.form)
-            for block, found in zip(blocks, maps, strict=True)
+            spectrum(
+                found.matrix,
+                found.error,
+                reciprocal=subsystem.reciprocal,
+                bounded=subsystem.bounded,
+                form=subsystem.form,
+            )
+            for subsystem, found in zip(subsystems, maps, strict=True)
         ]
     )
     matrix = np.sum(
-        [block.to_q @ found.matrix @ block.from_q for block, found in zip(blocks, maps, strict=True)], axis=0
+        [subsystem.to_q @ found.matrix @ subsystem.from_q for subsystem, found in zip(subsystems, maps, strict=True)],
+        axis=0,
     )
     error = np.linalg.norm([found.error_in_q for found in maps]) / max(1.0, float(np.linalg.norm(matrix, 2)))
     for array in (matrix, joint.multipliers):
@@ -135,80 +141,63 @@ def _reduced(system: PeriodicSystem, eps: float, slowest: float) -> list[Reducti
     return reduce_system(system, eps, slowest)
 
 
-def _blocks(system: PeriodicSystem, Omega: float, eps: float) -> list[Reduction]:
-    """Return the blocks of a system; those of many points by a few reductions, at amplitudes that are powers of two.
+def _subsystems(system: PeriodicSystem, Omega: float, eps: float) -> list[Reduction]:
+    """Return the subsystems of a system; those of many points by a few reductions, at amplitudes that are powers of
+    two.
 
     Scales and bounds are those of the amplitude that is at least as large.
     """
     above = float(np.copysign(2.0 ** np.ceil(np.log2(abs(eps))), eps)) if eps else 0.0
     scale = eps / above if above else 1.0
-    blocks = []
-    for block in _reduced(system, above, 2.0 ** np.floor(np.log2(Omega / (2 * np.pi)))):
-        alpha = np.column_stack([block.equations.alpha[:, :1], scale * block.equations.alpha[:, 1:]])
-        equations = block.equations._replace(alpha=alpha, beta=scale * block.equations.beta)
-        blocks.append(block._replace(equations=equations))
-    return blocks
+    subsystems = []
+    for subsystem in _reduced(system, above, 2.0 ** np.floor(np.log2(Omega / (2 * np.pi)))):
+        alpha = np.column_stack([subsystem.equations.alpha[:, :1], scale * subsystem.equations.alpha[:, 1:]])
+        equations = subsystem.equations._replace(alpha=alpha, beta=scale * subsystem.equations.beta)
+        subsystems.append(subsystem._replace(equations=equations))
+    return subsystems
 
 
 def is_unstable(family: SystemFamily, Omega: float, eps: float, modes: int = 0) -> bool:
-    """Return whether integration finds instability at a point; the block with so many ``modes`` is looked at first.
+    """Return whether integration finds instability at a point; the subsystem with so many ``modes`` is looked at first.
 
     The same series as in `monodromy`, at less than half the cost: their errors are taken to be what they aim at, and
-    one unstable block is enough.
+    one unstable subsystem is enough.
     """
-    blocks = _blocks(member_at(family, Omega), Omega, eps)
-    for block in sorted(blocks, key=lambda block: abs(len(block.equations.w) - modes)):
-        start = np.eye(2 * len(block.equations.w))
-        Phi = propagate(block, Omega, eps, steps_of_period(block, Omega), TOLERANCE, start)
+    subsystems = _subsystems(member_at(family, Omega), Omega, eps)
+    for subsystem in sorted(subsystems, key=lambda subsystem: abs(len(subsystem.equations.w) - modes)):
+        start = np.eye(2 * len(subsystem.equations.w))
+        Phi = propagate(subsystem, Omega, eps, steps_of_period(subsystem, Omega), TOLERANCE, start)
         error = 10 * TOLERANCE * max(1.0, float(np.linalg.norm(Phi, 2)))
-        found = spectrum(Phi, error, reciprocal=block.reciprocal, bounded=block.bounded, form=block.form)
+        found = spectrum(Phi, error, reciprocal=subsystem.reciprocal, bounded=subsystem.bounded, form=subsystem.form)
         if found.kind > Kind.STABLE:
             return True
     return False
 
 
-def member_at(family: Any, Omega: float, name: str = "system") -> PeriodicSystem:
-    """Return the member of ``family`` at ``Omega``.
-
-    Raises
-    ------
-    ValueError
-        If ``family`` is no `SystemFamily`.
-    """
-    if isinstance(family, type) or not callable(getattr(family, "at", None)):
-        raise ValueError(
-            f"{name} = {family!r} is no system; give a PeriodicSystem or an object with a method at(Omega)"
-        )
-    member = family.at(Omega)
-    if not isinstance(member, PeriodicSystem):
-        raise ValueError(f"{name}.at({Omega!r}) gave {member!r}; it must give a PeriodicSystem")
-    return member
-
-
-def period_map(block: Reduction, Omega: float, eps: float, tolerance: float) -> PeriodMap:
-    """Integrate one block over one period and estimate the error.
+def period_map(subsystem: Reduction, Omega: float, eps: float, tolerance: float) -> PeriodMap:
+    """Integrate one subsystem over one period and estimate the error.
 
     Raises
     ------
     ValueError
         If the solution overflows or the integration would take too long (``Omega`` and ``eps`` are named).
     """
-    m = len(block.equations.w)
+    m = len(subsystem.equations.w)
     probes, share = _probes(m)
     # norms of the two halves of from_q: how much of a disturbance of q each half of y receives
-    receives = np.linalg.norm(np.stack(np.split(block.from_q, 2)), 2, axis=(1, 2))
-    steps = steps_of_period(block, Omega)
+    receives = np.linalg.norm(np.stack(np.split(subsystem.from_q, 2)), 2, axis=(1, 2))
+    steps = steps_of_period(subsystem, Omega)
     best = PeriodMap(np.eye(2 * m), np.inf, np.inf)
     for _ in range(HALVINGS + 1):
-        period = _integrate_period(block, Omega, eps, steps, tolerance)
-        defect = period.matrix @ probes - propagate(block, Omega, eps, 2 * steps, FINEST, probes)
+        period = _integrate_period(subsystem, Omega, eps, steps, tolerance)
+        defect = period.matrix @ probes - propagate(subsystem, Omega, eps, 2 * steps, FINEST, probes)
         halves = np.stack(np.split(defect, 2, axis=1)) / np.sqrt(share)
         reducible = float(np.linalg.norm(halves)) + _at_the_end(period, period.rounding)
         # shorter steps do not help against rounding of the coefficients and what the reduction dropped
-        fixed = (UNIT * block.rate + block.neglected) * period.durations
+        fixed = (UNIT * subsystem.rate + subsystem.neglected) * period.durations
         error = reducible + _at_the_end(period, fixed)
-        in_q = np.linalg.norm(block.to_q @ halves, axis=(1, 2)) @ receives
-        in_q += _at_the_end(period, period.rounding + fixed, block.to_q, block.from_q)
+        in_q = np.linalg.norm(subsystem.to_q @ halves, axis=(1, 2)) @ receives
+        in_q += _at_the_end(period, period.rounding + fixed, subsystem.to_q, subsystem.from_q)
         if error > 0.5 * best.error:  # rounding rules
             break
         best = PeriodMap(period.matrix, float(error), float(in_q))
@@ -233,15 +222,15 @@ class _Period(NamedTuple):
     durations: FloatArray
 
 
-def _integrate_period(block: Reduction, Omega: float, eps: float, steps: int, tolerance: float) -> _Period:
-    unit = np.eye(2 * len(block.equations.w))
+def _integrate_period(subsystem: Reduction, Omega: float, eps: float, steps: int, tolerance: float) -> _Period:
+    unit = np.eye(2 * len(subsystem.equations.w))
     ends = np.unique(np.linspace(0, steps, SEGMENTS + 1).astype(int)).tolist()
     values, rounding, maps = [unit], [], []
     for segment in pairwise(ends):
-        found, error = _integrate(block, Omega, eps, steps, tolerance, values[-1], *segment)
+        found, error = _integrate(subsystem, Omega, eps, steps, tolerance, values[-1], *segment)
         rounding.append(error / np.linalg.norm(values[-1]))
         values.append(found)
-        maps.append(_integrate(block, Omega, eps, steps, COARSE, unit, *segment)[0])
+        maps.append(_integrate(subsystem, Omega, eps, steps, COARSE, unit, *segment)[0])
     after = list(accumulate(maps[::-1], np.matmul, initial=unit))
     if not np.abs(after).max() <= LARGEST:
         raise _overflow(Omega, eps)
@@ -264,7 +253,7 @@ def _at_the_end(
     return float(np.sum(np.linalg.norm(after, 2, axis=(1, 2)) * errors * np.linalg.norm(before, axis=(1, 2))))
 
 
-def steps_of_period(block: Reduction, Omega: float) -> int:
+def steps_of_period(subsystem: Reduction, Omega: float) -> int:
     """Return the number of equal steps of one period, before any halving.
 
     Raises
@@ -272,9 +261,9 @@ def steps_of_period(block: Reduction, Omega: float) -> int:
     ValueError
         If they would take too long.
     """
-    m, harmonics = len(block.equations.w), block.equations.alpha.shape[1] - 1
-    steps = np.ceil(2 * np.pi * (block.rate / Omega + harmonics) / STEP)
-    seconds = steps * TERMS * (SECONDS_A_TERM + 4 * m * block.equations.S.size * SECONDS_A_FLOP)
+    m, harmonics = len(subsystem.equations.w), subsystem.equations.alpha.shape[1] - 1
+    steps = np.ceil(2 * np.pi * (subsystem.rate / Omega + harmonics) / STEP)
+    seconds = steps * TERMS * (SECONDS_A_TERM + 4 * m * subsystem.equations.S.size * SECONDS_A_FLOP)
     if not seconds <= MOST_SECONDS:
         raise ValueError(
             f"Omega = {Omega!r} means {steps:.2g} steps in one period, about {seconds:.2g} s; "
@@ -297,14 +286,14 @@ def _probes(m: int) -> tuple[FloatArray, int]:
 
 
 def propagate(
-    block: Reduction, Omega: float, eps: float, steps: int, tolerance: float, start: FloatArray
+    subsystem: Reduction, Omega: float, eps: float, steps: int, tolerance: float, start: FloatArray
 ) -> FloatArray:
     """Return the values after one period of the solutions that begin with the columns of ``start`` (2m, columns)."""
-    return _integrate(block, Omega, eps, steps, tolerance, start, 0, steps)[0]
+    return _integrate(subsystem, Omega, eps, steps, tolerance, start, 0, steps)[0]
 
 
 def _integrate(
-    block: Reduction,
+    subsystem: Reduction,
     Omega: float,
     eps: float,
     steps: int,
@@ -314,10 +303,10 @@ def _integrate(
     last: int,
 ) -> tuple[FloatArray, float]:
     """Return the values that ``start`` at step ``first`` has become at step ``last``, and their rounding errors."""
-    m = len(block.equations.w)
+    m = len(subsystem.equations.w)
     y1, y2 = start[:m].copy(), start[m:].copy()
     local = max(0.1 * tolerance / steps, FINEST)
-    status, rounding = integrate(block.equations, Omega, steps, first, last, ORDER, local, y1, y2)
+    status, rounding = integrate(subsystem.equations, Omega, steps, first, last, ORDER, local, y1, y2)
     if status == OVERFLOWN:
         raise _overflow(Omega, eps)
     return np.concatenate([y1, y2]), rounding

@@ -1,4 +1,4 @@
-"""From a `PeriodicSystem` to what the single-point integrator works on: decoupled blocks in energy coordinates."""
+"""From a `PeriodicSystem` to what the single-point integrator works on: decoupled subsystems in energy coordinates."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import scipy.linalg as sla
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
-from floquet.oracle.taylor import LARGEST, Block
+from floquet.oracle.taylor import LARGEST, Coefficients
 from periodic import PeriodicSystem
 from periodic.checks import FloatArray
 
@@ -22,31 +22,31 @@ SYMMETRY = 1e-14
 
 
 class Reduction(NamedTuple):
-    """One decoupled block of m coordinates; `floquet.oracle.taylor` has its equations in y = (y1, y2).
+    """One decoupled subsystem of m coordinates; `floquet.oracle.taylor` has its equations in y = (y1, y2).
 
     Attributes
     ----------
     to_q : ndarray, shape (2n, 2m)
-        The part of q = (W', W), eq. (13), that the block contributes is to_q @ y.
+        The part of q = (W', W), eq. (13), that the subsystem contributes is to_q @ y.
     from_q : ndarray, shape (2m, 2n)
         y = from_q @ q.
-    equations : Block
+    equations : Coefficients
         Coefficients.
     rate : float
         Bound on the norm of the coefficient matrix at any time: no free motion is faster.
     neglected : float
         Norm of all couplings and asymmetries dropped, as a coefficient matrix of y, per unit of time.
     reciprocal : bool
-        True if with mu also 1/conj(mu) is a multiplier: the block is conservative or reversible.
+        True if with mu also 1/conj(mu) is a multiplier: the subsystem is conservative or reversible.
     bounded : bool
-        True if the block conserves a positive definite energy: conservative, not excited, with positive stiffness.
+        True if the subsystem conserves a positive definite energy: conservative, not excited, with positive stiffness.
     form : ndarray, shape (2m, 2m), or None
-        For a conservative block the skew-symmetric form that its motion conserves.
+        For a conservative subsystem the skew-symmetric form that its motion conserves.
     """
 
     to_q: FloatArray
     from_q: FloatArray
-    equations: Block
+    equations: Coefficients
     rate: float
     neglected: float
     reciprocal: bool
@@ -55,7 +55,7 @@ class Reduction(NamedTuple):
 
 
 def reduce_system(system: PeriodicSystem, eps: float, slowest: float) -> list[Reduction]:
-    """Split ``system`` at amplitude ``eps`` into blocks and write each in energy coordinates.
+    """Split ``system`` at amplitude ``eps`` into subsystems and write each in energy coordinates.
 
     With modes of the symmetric part of the stiffness, mass-normalised, W = modes @ (y1 / w) and W' = modes @ y2. The
     scales w are the square roots of the moduli of the eigenvalues: a conservative motion is nearly a rotation of
@@ -80,27 +80,27 @@ def reduce_system(system: PeriodicSystem, eps: float, slowest: float) -> list[Re
     separate = _columns(np.eye(system.size), _components(to_unit_mass))
     symmetric = [part for basis in separate for part in _symmetry_parts(matrices, basis)]
     if len(symmetric) > len(separate):
-        blocks = _reduce_all(matrices, symmetric, slowest)
-        if blocks[0].neglected <= SYMMETRY * min(block.rate for block in blocks):
-            return blocks
+        subsystems = _reduce_all(matrices, symmetric, slowest)
+        if subsystems[0].neglected <= SYMMETRY * min(subsystem.rate for subsystem in subsystems):
+            return subsystems
     return _reduce_all(matrices, separate, slowest)
 
 
-def constant_matrix(equations: Block) -> FloatArray:
+def constant_matrix(equations: Coefficients) -> FloatArray:
     """Return the matrix A (2m, 2m) of y' = A y without excitation."""
     B, D = _parts(equations)
     stiffness = np.diag(equations.k) + np.tensordot(equations.alpha[:, 0], B, 1)
     return np.block([[np.zeros_like(D), np.diag(equations.w)], [-stiffness, -D]])
 
 
-def modulation(equations: Block) -> float:
+def modulation(equations: Coefficients) -> float:
     """Return a bound on the relative change of stiffness by the excitation (spectral norm in energy coordinates)."""
     B, _ = _parts(equations)
     sizes = np.linalg.norm(B / equations.w[:, None], 2, axis=(1, 2))
     return float(sizes @ np.hypot(equations.alpha, equations.beta)[:, 1:].sum(axis=1))
 
 
-def _parts(equations: Block) -> tuple[FloatArray, FloatArray]:
+def _parts(equations: Coefficients) -> tuple[FloatArray, FloatArray]:
     """Return B (R, m, m) and D (m, m)."""
     m, functions = len(equations.w), len(equations.alpha)
     parts = equations.S.reshape(m, -1, m).transpose(1, 0, 2)
@@ -138,20 +138,20 @@ def _symmetry_parts(matrices: FloatArray, basis: FloatArray) -> list[FloatArray]
 
 
 def _reduce_all(matrices: FloatArray, bases: list[FloatArray], slowest: float) -> list[Reduction]:
-    """Return the blocks of the given bases; each is charged with what all of them neglect."""
-    blocks = [_reduce(matrices, basis, slowest) for basis in bases]
-    if len(blocks) == 1:
-        return blocks
+    """Return the subsystems of the given bases; each is charged with what all of them neglect."""
+    subsystems = [_reduce(matrices, basis, slowest) for basis in bases]
+    if len(subsystems) == 1:
+        return subsystems
     n = len(matrices[0])
-    modes = np.hstack([block.to_q[:n, block.to_q.shape[1] // 2 :] for block in blocks])
-    w = np.concatenate([block.equations.w for block in blocks])
-    k = np.concatenate([block.equations.k for block in blocks]) * w
-    label = np.repeat(np.arange(len(blocks)), [len(block.equations.w) for block in blocks])
+    modes = np.hstack([subsystem.to_q[:n, subsystem.to_q.shape[1] // 2 :] for subsystem in subsystems])
+    w = np.concatenate([subsystem.equations.w for subsystem in subsystems])
+    k = np.concatenate([subsystem.equations.k for subsystem in subsystems]) * w
+    label = np.repeat(np.arange(len(subsystems)), [len(subsystem.equations.w) for subsystem in subsystems])
     M, G, C, *stiffness = np.where(label[:, None] == label, 0.0, modes.T @ matrices @ modes)
     # a coupling of mass acts through the acceleration, -k y1 / w
     forces = [M * k, *stiffness]
     neglected = np.linalg.norm(G) + np.linalg.norm(C) + sum(np.linalg.norm(force / w) for force in forces)
-    return [block._replace(neglected=block.neglected + float(neglected)) for block in blocks]
+    return [subsystem._replace(neglected=subsystem.neglected + float(neglected)) for subsystem in subsystems]
 
 
 def _reduce(matrices: FloatArray, basis: FloatArray, slowest: float) -> Reduction:
@@ -176,7 +176,7 @@ def _reduce(matrices: FloatArray, basis: FloatArray, slowest: float) -> Reductio
     alpha, beta, B = _forcing(np.zeros_like(asymmetry[0]) if symmetric else asymmetry[0], excitation)
     damped = bool(damping.any())
     S = np.ascontiguousarray(np.concatenate([*B, damping][: len(B) + damped], axis=1))
-    equations = Block(w, k / w, S, damped, alpha, beta)
+    equations = Coefficients(w, k / w, S, damped, alpha, beta)
     sines = forces[1 + len(excitation) // 2 :]
     shapes = basis @ modes
     inverse = shapes.T @ matrices[0]
@@ -226,7 +226,7 @@ def _forcing(constant: FloatArray, excitation: FloatArray) -> tuple[FloatArray, 
     return alpha, beta, B
 
 
-def _rate(equations: Block) -> float:
+def _rate(equations: Coefficients) -> float:
     """Return a bound on the norm of the coefficient matrix, in the better of two scalings."""
     B, D = _parts(equations)
     sizes = np.linalg.norm(B, 2, axis=(1, 2))

@@ -1,6 +1,6 @@
 """Kernels of the single-point integrator: Taylor series of the solution, step after step.
 
-The equations are those of one decoupled block in energy coordinates (`floquet.oracle.reduction`),
+The equations are those of one decoupled subsystem in energy coordinates (`floquet.oracle.reduction`),
 
     y1' = w y2,      y2' = -k y1 - D y2 - sum_r f_r(t) B_r y1,
     f_r(t) = sum_j alpha[r, j] cos(j Omega t) + beta[r, j] sin(j Omega t),    j = 0..J,
@@ -31,8 +31,8 @@ UNIT = np.finfo(np.float64).eps
 CONVERGED, UNCONVERGED, OVERFLOWN = 0, 1, 2
 
 
-class Block(NamedTuple):
-    """Coefficients of one block of m coordinates: w, k (m,); S (m, R m) or (m, (R + 1) m); alpha, beta (R, J + 1).
+class Coefficients(NamedTuple):
+    """Coefficients of one subsystem of m coordinates: w, k (m,); S (m, R m) or (m, (R + 1) m); alpha, beta (R, J + 1).
 
     ``S`` holds B_1 ... B_R side by side and, if ``damped``, D behind them.
     """
@@ -77,7 +77,7 @@ def significant(coefficients):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def taylor_step(block, coefficients, h, tolerance, y1, y2, history, stacked):  # type: ignore[no-untyped-def]
+def taylor_step(subsystem, coefficients, h, tolerance, y1, y2, history, stacked):  # type: ignore[no-untyped-def]
     """Advance (y1, y2), each (m, columns), in place by h.
 
     The series ends when two successive terms are below ``tolerance`` relative to the initial values, or at the order
@@ -98,7 +98,7 @@ def taylor_step(block, coefficients, h, tolerance, y1, y2, history, stacked):  #
     sum1, sum2, term2 = y1.ravel(), y2.ravel(), stacked[functions]
     history[0] = sum1
     term2[:] = sum2
-    multiplied = stacked.reshape((functions + 1) * m, columns)[: block.S.shape[1]]
+    multiplied = stacked.reshape((functions + 1) * m, columns)[: subsystem.S.shape[1]]
     force = np.empty((m, columns))
     size = np.dot(sum1, sum1) + np.dot(sum2, sum2)
     squares = size
@@ -109,10 +109,10 @@ def taylor_step(block, coefficients, h, tolerance, y1, y2, history, stacked):  #
         for r in range(functions):
             # Cauchy product: Taylor coefficient q of f_r y1
             np.dot(coefficients[r, order - span :], history[q + 1 - span : q + 1], stacked[r])
-        np.dot(block.S, multiplied, force)
+        np.dot(subsystem.S, multiplied, force)
         scale = h / (q + 1)
         for i in range(m):
-            ahead, back, row = scale * block.w[i], scale * block.k[i], i * columns
+            ahead, back, row = scale * subsystem.w[i], scale * subsystem.k[i], i * columns
             for c in range(columns):
                 first = ahead * term2[row + c]
                 second = -back * present[row + c] - scale * force[i, c]
@@ -130,7 +130,7 @@ def taylor_step(block, coefficients, h, tolerance, y1, y2, history, stacked):  #
 
 
 @njit(cache=True, nogil=True)
-def integrate(block, Omega, steps, first, last, order, tolerance, y1, y2):  # type: ignore[no-untyped-def]
+def integrate(subsystem, Omega, steps, first, last, order, tolerance, y1, y2):  # type: ignore[no-untyped-def]
     """Advance (y1, y2), each (m, columns), in place from step ``first`` to ``last`` of ``steps`` in a period.
 
     Returns
@@ -142,12 +142,12 @@ def integrate(block, Omega, steps, first, last, order, tolerance, y1, y2):  # ty
     """
     m, columns = y1.shape
     history = np.empty((order + 1, m * columns))
-    stacked = np.empty((block.alpha.shape[0] + 1, m * columns))
+    stacked = np.empty((subsystem.alpha.shape[0] + 1, m * columns))
     h = 2.0 * np.pi / Omega / steps
     status, rounding = CONVERGED, 0.0
     for step in range(first, last):
-        coefficients = forcing_coefficients(block.alpha, block.beta, step, steps, order)
-        _, relative, terms = taylor_step(block, coefficients, h, tolerance, y1, y2, history, stacked)
+        coefficients = forcing_coefficients(subsystem.alpha, subsystem.beta, step, steps, order)
+        _, relative, terms = taylor_step(subsystem, coefficients, h, tolerance, y1, y2, history, stacked)
         rounding += UNIT * terms
         if not relative <= tolerance:
             status = UNCONVERGED

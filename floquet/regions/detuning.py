@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquet.engine.coordinates import Block
+from floquet.engine.coordinates import Subsystem
 from floquet.regions.exponents import Exponents, distance, follow, test_function
 from floquet.regions.scan import OTHER_PARTS, Modes, Scan
 from floquet.regions.widths import Candidate, Home
@@ -89,7 +89,7 @@ def _followed(scan: Scan, home: Home) -> tuple[FloatArray, NDArray[np.bool_], Ex
     """Return the columns of a scan in which a home was looked at, where they are unstable (columns, k), and the modes
     of the home, arrays (columns, k, n)."""
     first = min(scan.modes)
-    number = home_of([one.block for one in scan.modes[first].values()], home, first)
+    number = home_of([one.subsystem for one in scan.modes[first].values()], home, first)
     Omega, unstable, columns = [], [], []
     for w in sorted(scan.modes):
         column = scan.modes[w].get(number)
@@ -102,18 +102,18 @@ def _followed(scan: Scan, home: Home) -> tuple[FloatArray, NDArray[np.bool_], Ex
     return np.array(Omega), np.array(unstable), Exponents(*(np.array(part) for part in zip(*columns, strict=True)))
 
 
-def home_of(blocks: Sequence[Block], home: Home, Omega: float) -> int:
-    """Return which of the blocks of a family at ``Omega`` is the home of a candidate at its frequency."""
-    wanted = home.block.K.diagonal()
-    alike = [i for i, block in enumerate(blocks) if len(block.K) == len(wanted)]
+def home_of(subsystems: Sequence[Subsystem], home: Home, Omega: float) -> int:
+    """Return which of the subsystems of a family at ``Omega`` is the home of a candidate at its frequency."""
+    wanted = home.subsystem.K.diagonal()
+    alike = [i for i, subsystem in enumerate(subsystems) if len(subsystem.K) == len(wanted)]
     if not alike:
         raise ValueError(OTHER_PARTS.format(Omega))
-    return min(alike, key=lambda i: float(np.abs(blocks[i].K.diagonal() - wanted).max()))
+    return min(alike, key=lambda i: float(np.abs(subsystems[i].K.diagonal() - wanted).max()))
 
 
 def followed(column: Modes, home: Home, Omega: float, eps: FloatArray) -> Exponents:
     """Return the modes of a column in the order of those of the home."""
-    conservative = column.block.symplectic or column.block.reversible
+    conservative = column.subsystem.reciprocal
     return follow(column.found, eps, home.exponents * (2 * np.pi / Omega), conservative)
 
 
@@ -136,8 +136,8 @@ def _measures(found: Exponents, candidate: Candidate) -> tuple[FloatArray, Float
     unequal damping: for a detuning x, and differences of decay d_0 without and d with coupling, their angles differ by
     d_0 x / d.
     """
-    p, q, name, block = candidate.p, candidate.q, candidate.name, candidate.home.block
-    conservative = block.symplectic or block.reversible
+    p, q, name, subsystem = candidate.p, candidate.q, candidate.name, candidate.home.subsystem
+    conservative = subsystem.reciprocal
     f = test_function(found, p, q, name.j, name.sign, conservative)
     apart = distance(found, p, q, name.j, name.sign)
     if not conservative and p != q:

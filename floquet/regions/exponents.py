@@ -13,8 +13,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from floquet.engine.verdict import ComplexArray, exponent
-from periodic.checks import FloatArray
+from floquet.engine.verdict import exponent
+from periodic.checks import ComplexArray, FloatArray
 
 # Multipliers of a conservative system this far from the unit circle, in log|mu|, have left it.
 ROUNDING = 1e-6
@@ -27,7 +27,7 @@ DEAD = 8.0
 
 
 class Exponents(NamedTuple):
-    """log mu of n modes in k cells of a block, arrays (k, n).
+    """log mu of n modes in k cells of a subsystem, arrays (k, n).
 
     ``angle`` is the imaginary part, continuous along eps. ``modulus`` is the real part, or the mean of both for a mode
     whose two multipliers are real; ``split`` is half their difference, 0 elsewhere.
@@ -40,7 +40,7 @@ class Exponents(NamedTuple):
 
 @njit(cache=True, nogil=True)
 def modes_symplectic(s: ComplexArray, exponents: FloatArray) -> Exponents:
-    """Return the exponents of the modes of a symplectic block with mu + 1/mu = 2^exponents[c] s[c, i], angles in
+    """Return the exponents of the modes of a symplectic subsystem with mu + 1/mu = 2^exponents[c] s[c, i], angles in
     [0, pi]."""
     k, n = s.shape
     angle, modulus, split = np.zeros((k, n)), np.zeros((k, n)), np.zeros((k, n))
@@ -56,8 +56,8 @@ def modes_symplectic(s: ComplexArray, exponents: FloatArray) -> Exponents:
 
 @njit(cache=True, nogil=True)
 def modes(mu: ComplexArray, exponents: FloatArray) -> Exponents:
-    """Return the exponents of the modes of any block from its multipliers 2^exponents[c] mu[c, i], mu of shape (k, 2n),
-    angles in [0, pi].
+    """Return the exponents of the modes of any subsystem from its multipliers 2^exponents[c] mu[c, i], mu of shape (k,
+    2n), angles in [0, pi].
 
     Of the real multipliers of one sign the two largest are taken for those of one mode, the next two for another. Two
     that are zero, of a mode that is damped out, leave zeros.

@@ -65,13 +65,13 @@ class Name(NamedTuple):
 def resonances(system: PeriodicSystem, low: float, high: float) -> list[Name]:
     """Return the resonances with low <= Omega <= high, by increasing order and frequency.
 
-    Modes are numbered by increasing frequency; two modes of different blocks are not coupled and have no resonance.
+    Modes are numbered by increasing frequency; two modes of different subsystems are not coupled and have no resonance.
     Differences open no region where all stiffness is symmetric and positive definite without excitation: both modes
     have positive energy (M. G. Krein).
     """
     found, homes = [], []
-    for number, block in enumerate(reduce_system(system, 1.0, (low + high) / (4 * np.pi))):
-        values = sla.eigvals(constant_matrix(block.equations))
+    for number, subsystem in enumerate(reduce_system(system, 1.0, (low + high) / (4 * np.pi))):
+        values = sla.eigvals(constant_matrix(subsystem.equations))
         oscillating = values.imag[values.imag > SLOWEST * np.abs(values).max()]
         found += oscillating.tolist()
         homes += [number] * len(oscillating)

@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from tqdm import tqdm
 
-from floquet.oracle.point import is_unstable, member_at
+from floquet.oracle.point import is_unstable
 from floquet.regions.naming import Name, Namer, resonances
 from floquet.regions.outlines import Column, Loop, Place, area, components, largest_width, loops, within
 from floquet.regions.scan import AMPLITUDES, Scan
 from floquet.regions.stretches import branches
 from floquet.regions.tongues import Tongue, reach, trace_tongues
 from floquet.regions.widths import Candidate, candidates
-from periodic import SystemFamily
+from periodic import SystemFamily, member_at
 from periodic.checks import FloatArray, interval, one_of, points, real_number, workers
 
 # Columns before any refinement. Regions narrower than the distance between them are looked for at their resonances.

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquet.engine.column import LEAST_STEPS, SAFETY, least_frequency, log2_steps, multipliers, steps_needed
-from floquet.engine.coordinates import Block, blocks, equations
+from floquet.engine.column import LEAST_STEPS, SAFETY, log2_steps, multipliers, steps_needed
+from floquet.engine.coordinates import Subsystem, subsystems
 from floquet.engine.doubling.sampling import Sampler, Workspace
 from floquet.engine.verdict import dominant, dominant_symplectic, judge
 from floquet.kind import Kind
@@ -29,9 +29,9 @@ ERROR = 1e-7
 FEWER = 0.25
 # Slabs are halved down to this part of the tolerance.
 FINEST = 0.5
-# Marks of `leading` are in [0, 4 pi]; those of two blocks are further apart.
+# Marks of `leading` are in [0, 4 pi]; those of two subsystems are further apart.
 APART = 100.0
-# What is said of a family whose blocks at one frequency are not those at others: there is nothing to follow.
+# What is said of a family whose subsystems at one frequency are not those at others: there is nothing to follow.
 OTHER_PARTS = (
     "at Omega = {:.6g} the matrices fall into other independent subsystems than elsewhere in the window; trace the "
     "frequencies below it and those above it apart"
@@ -43,18 +43,18 @@ COLUMNS_A_TASK = 8
 
 
 class Modes(NamedTuple):
-    """A block and the exponents of its modes in a column, in no order."""
+    """A subsystem and the exponents of its modes in a column, in no order."""
 
-    block: Block
+    subsystem: Subsystem
     found: Exponents
 
 
 class Scan:
     """Columns of a family over a range of eps, computed when asked for and kept.
 
-    ``modes`` has those of the blocks of a column by their numbers, ``quiet`` the numbers of its blocks that are stable
-    at all amplitudes, or are not looked at; ``leading`` (2, k) has f and the mark of the most unstable pair of all
-    blocks, as `floquet.regions.exponents.leading` has them, NaN where the column is stable.
+    ``modes`` has those of the subsystems of a column by their numbers, ``quiet`` the numbers of its subsystems that are
+    stable at all amplitudes, or are not looked at; ``leading`` (2, k) has f and the mark of the most unstable pair of
+    all subsystems, as `floquet.regions.exponents.leading` has them, NaN where the column is stable.
     """
 
     def __init__(self, family: SystemFamily, Omega_range: tuple[float, float], eps: FloatArray, n_jobs: Any) -> None:
@@ -62,7 +62,7 @@ class Scan:
         few = np.array([Omega_range[0], sum(Omega_range) / 2, Omega_range[1]])
         systems = [family.at(float(w)) for w in few]
         self.steps = max(FEWER * steps_needed(systems, few, eps), LEAST_STEPS)
-        self.sizes = [len(block.K) for block in blocks(systems[0])]
+        self.sizes = [len(subsystem.K) for subsystem in subsystems(systems[0])]
         self.n_jobs = n_jobs
         self.columns: dict[float, Column] = {}
         self.modes: dict[float, dict[int, Modes]] = {}
@@ -72,8 +72,8 @@ class Scan:
     def add(self, Omega: Iterable[float], spared: Mapping[float, frozenset[int]] | None = None) -> int:
         """Compute the columns at ``Omega`` that are new; return how many.
 
-        Of those outside the window only the modes are kept. ``spared`` has the numbers of blocks of a column that need
-        not be looked at.
+        Of those outside the window only the modes are kept. ``spared`` has the numbers of subsystems of a column that
+        need not be looked at.
         """
         new = sorted({float(w) for w in Omega} - self.modes.keys())
         batches = [new[i : i + COLUMNS_A_TASK] for i in range(0, len(new), COLUMNS_A_TASK)]
@@ -104,15 +104,15 @@ class Scan:
         return np.array(Omega), [self.columns[w] for w in Omega]
 
     def most_unstable(self, Omega: float, eps: float) -> int:
-        """Return the number of modes of the block that is most unstable at ``eps`` in the column at ``Omega``."""
+        """Return the number of modes of the subsystem that is most unstable at ``eps`` in the column at ``Omega``."""
         level = int(np.abs(self.eps - eps).argmin())
         modes = self.modes[Omega].values()
-        return max(((found.modulus + found.split)[level].max(), len(block.K)) for block, found in modes)[1]
+        return max(((found.modulus + found.split)[level].max(), len(subsystem.K)) for subsystem, found in modes)[1]
 
     def refine(self, units: tuple[float, float], bottom: float, tolerance: float) -> None:
         """Halve the slabs between columns until straight lines describe the edges.
 
-        In a slab, blocks that are stable on both sides are spared.
+        In a slab, subsystems that are stable on both sides are spared.
 
         ``units`` are the ranges of Omega and eps that count alike; ``tolerance`` is the largest distance of an edge
         from the straight line, as part of them. Above eps = ``bottom`` is what will be seen.
@@ -144,38 +144,39 @@ def _intervals(
     sizes: list[int],
     spared: Sequence[frozenset[int]],
 ) -> list[list[tuple[Column, Modes, FloatArray] | None]]:
-    """Return what `_of_block` says of the blocks of some columns, None for those that are spared."""
+    """Return what `_of_subsystem` says of the subsystems of some columns, None for those that are spared."""
     work = Workspace()
     columns = []
     for system, frequency, spare in zip(systems, Omega, spared, strict=True):
-        parts = blocks(system)
-        if [len(block.K) for block in parts] != sizes:
+        parts = subsystems(system)
+        if [len(subsystem.K) for subsystem in parts] != sizes:
             raise ValueError(OTHER_PARTS.format(frequency))
         columns.append(
             [
-                None if number in spare else _of_block(block, frequency, eps, steps, work)
-                for number, block in enumerate(parts)
+                None if number in spare else _of_subsystem(subsystem, frequency, eps, steps, work)
+                for number, subsystem in enumerate(parts)
             ]
         )
     return columns
 
 
-def _of_block(
-    block: Block, Omega: float, eps: FloatArray, steps: float, work: Workspace
+def _of_subsystem(
+    subsystem: Subsystem, Omega: float, eps: FloatArray, steps: float, work: Workspace
 ) -> tuple[Column, Modes, FloatArray]:
-    """Return a column of a block, its modes and, (2, k), f and the mark of the most unstable pair, NaN where stable.
+    """Return a column of a subsystem, its modes and, (2, k), f and the mark of the most unstable pair, NaN where
+    stable.
 
     The error is not measured, which would double the cost.
 
     The steps are short enough for it to be below ERROR; every region is verified by `floquet.monodromy` in the end.
     """
-    sampler = Sampler(block, equations(block, least_frequency(Omega)), Omega, work)
-    mu, exponents, losses, norms = multipliers(sampler, eps, log2_steps(block, Omega, eps, steps), ERROR)
-    conservative = block.symplectic or block.reversible
-    if block.symplectic:
+    sampler = Sampler.of(subsystem, Omega, work)
+    mu, exponents, losses, norms = multipliers(sampler, eps, log2_steps(subsystem, Omega, eps, steps), ERROR)
+    conservative = subsystem.reciprocal
+    if subsystem.symplectic:
         found, modes = dominant_symplectic(mu, exponents, norms), modes_symplectic(mu, exponents)
     else:
-        found, modes = dominant(mu, exponents, norms, block.reversible), modes_general(mu, exponents)
+        found, modes = dominant(mu, exponents, norms, subsystem.reversible), modes_general(mu, exponents)
     kind = judge(found, SAFETY * ERROR * losses, conservative).kind
     unstable = kind > Kind.STABLE
     if conservative:  # next to an edge it is too weak to be judged, but seen
@@ -189,11 +190,11 @@ def _of_block(
             high = edge(modes, eps, last + 1, last, max(last - 1, first), conservative)
         judged = kind[first : last + 1][kind[first : last + 1] > Kind.STABLE]
         column.append(Interval(float(low), float(high), int(judged[0]), int(judged[-1])))
-    return column, Modes(block, modes), np.where(unstable, np.array(leading(modes)), np.nan)
+    return column, Modes(subsystem, modes), np.where(unstable, np.array(leading(modes)), np.nan)
 
 
 def _strongest(parts: Sequence[FloatArray | None], count: int) -> FloatArray:
-    """Return f and the mark, (2, count), of the most unstable pair of all blocks, NaN where all are stable."""
+    """Return f and the mark, (2, count), of the most unstable pair of all subsystems, NaN where all are stable."""
     best = np.full((2, count), np.nan)
     for number, part in enumerate(parts):
         if part is not None:
@@ -224,7 +225,7 @@ def _with_neighbours(sure: NDArray[np.bool_], likely: NDArray[np.bool_]) -> NDAr
 
 
 def union(parts: Sequence[tuple[Column, FloatArray]], eps: FloatArray) -> Column:
-    """Return the unstable intervals of a system from those of its blocks and f at all amplitudes.
+    """Return the unstable intervals of a system from those of its subsystems and f at all amplitudes.
 
     Of two that begin between the same amplitudes, the more unstable one says of which kind they are there.
     """

@@ -14,8 +14,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquet.engine.column import least_frequency, log2_steps, multipliers
-from floquet.engine.coordinates import blocks, equations
+from floquet.engine.column import log2_steps, multipliers
+from floquet.engine.coordinates import subsystems
 from floquet.engine.doubling.sampling import Sampler, Workspace
 from floquet.regions.centrelines import middles, root
 from floquet.regions.detuning import BALANCED, Nodes, home_of, scan_nodes
@@ -55,8 +55,8 @@ class Tongue(NamedTuple):
     """A stretch of a narrow region: its edges ``lower`` and ``upper`` in Omega at the amplitudes ``eps``, arrays (k,),
     upwards.
 
-    ``witness`` is an (Omega, eps) inside, where a block with so many ``modes`` is unstable; ``sure`` if a column meets
-    it there and finds its multipliers off the unit circle by far more than their error.
+    ``witness`` is an (Omega, eps) inside, where a subsystem with so many ``modes`` is unstable; ``sure`` if a column
+    meets it there and finds its multipliers off the unit circle by far more than their error.
     """
 
     name: Name
@@ -134,8 +134,8 @@ class _Follower:
     ) -> None:
         self.family, self.candidate, self.window = family, candidate, window
         self.eps, self.steps, self.work = eps, steps, work
-        block = candidate.home.block
-        self.damped = not (block.symplectic or block.reversible)
+        subsystem = candidate.home.subsystem
+        self.damped = not subsystem.reciprocal
         self.free, self.expected = _expected(candidate, eps)
         self.errors: dict[float, float] = {}
         self.close = CLOSE * (window[1] - window[0])
@@ -231,15 +231,15 @@ class _Follower:
         return nodes.with_column(self.candidate, Omega, column, self.eps)
 
     def _column(self, Omega: float, eps: FloatArray, error: float) -> tuple[Modes, FloatArray]:
-        """Return the modes of the block at ``eps`` (k,), and how many times (k,) ``error`` they are off."""
-        parts = blocks(self.family.at(Omega))
-        block = parts[home_of(parts, self.candidate.home, Omega)]
-        sampler = Sampler(block, equations(block, least_frequency(Omega)), Omega, self.work)
+        """Return the modes of the subsystem at ``eps`` (k,), and how many times (k,) ``error`` they are off."""
+        parts = subsystems(self.family.at(Omega))
+        subsystem = parts[home_of(parts, self.candidate.home, Omega)]
+        sampler = Sampler.of(subsystem, Omega, self.work)
         # fourth order; where steps are symplectic they only shift the region, by a small part of its width
-        finer = 1.0 if block.symplectic else (COARSEST / error) ** 0.25
-        spectra = multipliers(sampler, eps, log2_steps(block, Omega, self.eps, self.steps * finer), error)
-        found = (modes_symplectic if block.symplectic else modes)(spectra.mu, spectra.exponents)
-        return Modes(block, found), spectra.losses
+        finer = 1.0 if subsystem.symplectic else (COARSEST / error) ** 0.25
+        spectra = multipliers(sampler, eps, log2_steps(subsystem, Omega, self.eps, self.steps * finer), error)
+        found = (modes_symplectic if subsystem.symplectic else modes)(spectra.mu, spectra.exponents)
+        return Modes(subsystem, found), spectra.losses
 
     def _is_sure(self, Omega: float, level: float) -> bool:
         """Return whether a column of one point is unstable there by far more than its error."""
@@ -312,7 +312,7 @@ def _expected(candidate: Candidate, eps: FloatArray) -> tuple[float, FloatArray]
     """Return f in the middle of a region without excitation, and by how much more it is expected to be at ``eps``."""
     name, exponents = candidate.name, candidate.home.exponents
     period = 2 * np.pi / name.centre
-    conservative = candidate.home.block.symplectic or candidate.home.block.reversible
+    conservative = candidate.home.subsystem.reciprocal
     decay = 0.0 if conservative else exponents[candidate.p].real * exponents[candidate.q].real
     growth = candidate.width * candidate.balance * name.j / 4 * (eps / candidate.eps) ** name.j
     return -float(decay) * period**2, (growth * period) ** 2

@@ -21,12 +21,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquet.boundary.resonance import SLOWEST
-from floquet.engine.column import least_frequency
-from floquet.engine.coordinates import Block, blocks, equations
-from floquet.engine.verdict import ComplexArray
+from floquet.engine.coordinates import Subsystem, equations, least_frequency, subsystems
 from floquet.regions.naming import Name
 from periodic import PeriodicSystem
-from periodic.checks import FloatArray
+from periodic.checks import ComplexArray, FloatArray
 
 # Orders in eps beyond the number j of the resonance: the lowest may vanish by a symmetry.
 FURTHER = 2
@@ -44,9 +42,10 @@ PARALLEL, NUDGE = 1e6, 1e-5
 
 
 class Home(NamedTuple):
-    """A block with the exponents of its b modes without excitation, by increasing frequency, imaginary parts >= 0."""
+    """A subsystem with the exponents of its b modes without excitation, by increasing frequency, imaginary parts >=
+    0."""
 
-    block: Block
+    subsystem: Subsystem
     exponents: ComplexArray
 
 
@@ -69,13 +68,13 @@ class Candidate(NamedTuple):
 
 
 def homes(system: PeriodicSystem, least: float) -> list[Home]:
-    """Return the blocks of a system with their modes; ``least`` is that of `equations`."""
+    """Return the subsystems of a system with their modes; ``least`` is that of `equations`."""
     found = []
-    for block in blocks(system):
-        values = np.linalg.eigvals(equations(block, least).A)
-        values = values[values.imag > SLOWEST * block.rate]
+    for subsystem in subsystems(system):
+        values = np.linalg.eigvals(equations(subsystem, least).A)
+        values = values[values.imag > SLOWEST * subsystem.rate]
         values = values[np.argsort(values.imag)]
-        found.append(Home(block, np.concatenate([np.zeros(len(block.K) - len(values)), values])))
+        found.append(Home(subsystem, np.concatenate([np.zeros(len(subsystem.K) - len(values)), values])))
     return found
 
 
@@ -98,40 +97,40 @@ def candidates(system: PeriodicSystem, names: Sequence[Name], eps: float) -> lis
             second = home.exponents[[own[name.q] for name in some]]
             second = np.where([name.sign > 0 for name in some], second.conj(), second)
             centres = np.array([name.centre for name in some])
-            growth = couplings(home.block, least, first, second, j, centres, eps)
+            growth = couplings(home.subsystem, least, first, second, j, centres, eps)
             is_open = np.isfinite(growth) & (DOUBT * growth > np.sqrt(np.maximum(first.real * second.real, 0.0)))
             found += [
                 Candidate(name, home, own[name.p], own[name.q], eps, float(4 / j * rate / balance), float(balance))
                 for name, rate, keep, balance in zip(
-                    some, growth, is_open, _balance(home.block, first, second), strict=True
+                    some, growth, is_open, _balance(home.subsystem, first, second), strict=True
                 )
                 if keep
             ]
     return sorted(found, key=lambda candidate: -candidate.width)
 
 
-def _balance(block: Block, first: ComplexArray, second: ComplexArray) -> FloatArray:
+def _balance(subsystem: Subsystem, first: ComplexArray, second: ComplexArray) -> FloatArray:
     """Return the ``balance`` of `Candidate`, 1 where a mode is not damped."""
-    slightest = -NO_DECAY * block.rate
-    damped = (first.real < slightest) & (second.real < slightest) & (not (block.symplectic or block.reversible))
+    slightest = -NO_DECAY * subsystem.rate
+    damped = (first.real < slightest) & (second.real < slightest) & (not subsystem.reciprocal)
     product, total = first.real * second.real, first.real + second.real
     return np.asarray(np.where(damped, 2 * np.sqrt(np.abs(product)) / np.where(damped, -total, 1.0), 1.0))
 
 
 def couplings(
-    block: Block, least: float, first: ComplexArray, second: ComplexArray, j: int, Omega: FloatArray, eps: float
+    subsystem: Subsystem, least: float, first: ComplexArray, second: ComplexArray, j: int, Omega: FloatArray, eps: float
 ) -> FloatArray:
     """Return the largest growth rates (count,), but for damping, of some resonances of number ``j`` at ``eps``.
 
     ``first`` and ``second`` (count,) are the exponents of the two states, ``Omega`` (count,) the frequencies at which
     they differ by i j Omega; ``least`` is that of `equations`.
     """
-    y, b = equations(block, least), len(block.K)
+    y, b = equations(subsystem, least), len(subsystem.K)
     Lambda, V = np.linalg.eig(y.A)
     if np.linalg.cond(V) > PARALLEL:  # a mode is critically damped, or free, and has a single eigenvector
-        Lambda, V = np.linalg.eig(y.A - NUDGE * block.rate * np.diag(np.repeat([0.0, 1.0], b)))
+        Lambda, V = np.linalg.eig(y.A - NUDGE * subsystem.rate * np.diag(np.repeat([0.0, 1.0], b)))
     G = {}
-    for k, (Fc, Fs) in enumerate(zip(block.Fc, block.Fs, strict=True), 1):
+    for k, (Fc, Fs) in enumerate(zip(subsystem.Fc, subsystem.Fs, strict=True), 1):
         for sign in (1, -1):
             kick = np.zeros((2 * b, 2 * b), complex)
             kick[b:, :b] = -y.left[:, None] * (Fc - sign * 1j * Fs) / 2 * y.right

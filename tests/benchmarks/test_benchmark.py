@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from benchmarks.peers import PEERS, Equations, mixed_equations, modal_equations, rk4
 from benchmarks import benchmark, stages
+from benchmarks.peers import PEERS, Equations, mixed_equations, modal_equations, rk4
 from floquet import monodromy
 from tests.paths import ROOT
 

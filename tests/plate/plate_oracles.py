@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from periodic import PeriodicSystem
+from periodic.checks import ComplexArray
 from plate import Distribution
 
 numbers = st.floats(-10, 10)
@@ -27,7 +28,7 @@ class Modes(NamedTuple):
     """Gyroscopic modes of the undamped system and first-order slopes of its resonances."""
 
     omega: NDArray[np.float64]
-    w: NDArray[np.complex128]
+    w: ComplexArray
     decay: NDArray[np.float64]
 
     def slope(self, system: PeriodicSystem, p: int, q: int, j: int = 1) -> float:
@@ -50,5 +51,5 @@ def modes(system: PeriodicSystem, K_oe: NDArray[np.float64]) -> Modes:
     return Modes(omega, w, omega**2 * _form(w, K_oe))
 
 
-def _form(w: NDArray[np.complex128], A: NDArray[np.float64]) -> NDArray[np.float64]:
+def _form(w: ComplexArray, A: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.einsum("ia,ij,ja->a", w.conj(), A, w).real

@@ -11,6 +11,7 @@ import pytest
 from numpy.polynomial import Legendre
 from numpy.typing import NDArray
 
+from periodic.checks import ComplexArray
 from plate import EdgeLoad, InPlaneResonanceWarning, MovingPlate, StressField, transverse
 from plate.basis import gauss_legendre
 from plate.inplane import InPlaneProblem
@@ -37,7 +38,7 @@ def test_travelling_waves_without_poissons_ratio(Omega: float, damping: float, r
     np.testing.assert_allclose(field.N_xy, 0.0, atol=1e-8 * f)
 
 
-def brute_force(plate: MovingPlate, w: float, f_c: Any, f_s: Any, X: Any, Y: Any) -> NDArray[np.complex128]:
+def brute_force(plate: MovingPlate, w: float, f_c: Any, f_s: Any, X: Any, Y: Any) -> ComplexArray:
     """Stresses at w from the weak form of (2a, b) by quadrature, rigid translation and both symmetries included."""
     r, nu, V, c, beta = (
         plate.aspect_ratio,
@@ -114,11 +115,11 @@ def test_every_harmonic_against_brute_force(parameters: dict[str, float]) -> Non
         np.testing.assert_allclose(found, inertial, atol=1e-9 * np.abs(exact).max())
 
 
-def values(field: StressField) -> NDArray[np.complex128]:
+def values(field: StressField) -> ComplexArray:
     return np.array([field.N_xx.T, field.N_yy.T, field.N_xy.T])
 
 
-def from_full_solution(plate: MovingPlate, Omega: float, j: int) -> NDArray[np.complex128]:
+def from_full_solution(plate: MovingPlate, Omega: float, j: int) -> ComplexArray:
     """F_cj - i F_sj (times f0) from the full system, integrated on another grid."""
     rules = gauss_legendre(50, 0.0, plate.aspect_ratio), gauss_legendre(40, 0.0, 1.0)
     problem = InPlaneProblem(plate.aspect_ratio, plate.poisson_ratio, *plate.inplane_terms)

@@ -30,11 +30,11 @@ import signal, sys, time
 signal.signal(signal.SIGINT, signal.default_int_handler)
 from floquet import chart
 from floquet_scripts import explore
-whole = chart.chart_block
+whole = chart.chart_batch
 def slow(*arguments):
     time.sleep(0.04)
     return whole(*arguments)
-chart.chart_block = slow
+chart.chart_batch = slow
 sys.exit(explore.main(sys.argv[1:]))
 """
 
@@ -47,7 +47,7 @@ def _start(folder: Path, *options: str) -> subprocess.Popen[str]:
 
 
 def _wait_for_blocks(child: subprocess.Popen[str], folder: Path, count: int) -> None:
-    while child.poll() is None and len(list(folder.glob("*.block"))) < count:
+    while child.poll() is None and len(list(folder.glob("*.tile"))) < count:
         time.sleep(0.005)
 
 
@@ -85,9 +85,9 @@ def test_kill_nine_twice_and_go_on(home: Path) -> None:
         child.send_signal(signal.SIGKILL)
         child.communicate()
         assert child.returncode == -signal.SIGKILL
-        kept.append(len(list(parts.glob("*.block"))))
+        kept.append(len(list(parts.glob("*.tile"))))
     assert 3 <= kept[0] < kept[0] + 3 <= kept[1] < BLOCKS
-    victim = sorted(parts.glob("*.block"))[0]
+    victim = sorted(parts.glob("*.tile"))[0]
     victim.write_bytes(victim.read_bytes()[:-1])  # and a damaged one
     child = _start(home, "--output", "twice", "--resume")
     said, errors = child.communicate()
@@ -103,7 +103,7 @@ def test_ten_kills_at_random_moments_of_one_chart(home: Path) -> None:
     parts = home / "ten" / ".unfinished"
     rng = np.random.default_rng(6)
     for moment in rng.uniform(0.0, 0.2, 10):
-        before = len(list(parts.glob("*.block")))
+        before = len(list(parts.glob("*.tile")))
         child = _start(home, "--output", "ten", "--resume")
         _wait_for_blocks(child, parts, before + 1)
         time.sleep(moment)
@@ -113,7 +113,7 @@ def test_ten_kills_at_random_moments_of_one_chart(home: Path) -> None:
         # As it would be if nobody stopped it again, from a copy of what there is now.
         copy = home / f"ten-{moment}"
         copy.mkdir()
-        for block in parts.glob("*.block"):
+        for block in parts.glob("*.tile"):
             (copy / block.name).write_bytes(block.read_bytes())
         arguments = ["--system", str(home / "pair.npz"), "--output", str(copy), "--resume", str(copy), *CHART]
         assert explore.main(arguments) == 0
@@ -131,7 +131,7 @@ def test_ctrl_c_says_how_to_go_on(home: Path) -> None:
     assert "explore: interrupted; nothing was written\n" in errors
     assert "kept in stopped/.unfinished: the same command with --resume goes on" in errors
     assert list((home / "stopped").iterdir()) == [parts]
-    kept = len(list(parts.glob("*.block")))
+    kept = len(list(parts.glob("*.tile")))
     assert 2 <= kept < BLOCKS
     # Without --resume everything is computed, and what another run has left stays until it is needed no more.
     child = _start(home, "--output", "stopped")
@@ -146,10 +146,10 @@ def test_ctrl_c_says_how_to_go_on(home: Path) -> None:
 def test_a_quick_look_into_the_same_folder_leaves_the_parts_of_a_long_run(home: Path, tmp_path: Path) -> None:
     parts = tmp_path / "out" / ".unfinished"
     parts.mkdir(parents=True)
-    (parts / "of-a-long-run.block").write_bytes(b"hours")
+    (parts / "of-a-long-run.tile").write_bytes(b"hours")
     arguments = ["--system", str(home / "pair.npz"), "--output", str(tmp_path / "out"), *CHART, "--points", "8", "4"]
     assert explore.main(arguments) == 0
-    assert [path.name for path in parts.iterdir()] == ["of-a-long-run.block"]
+    assert [path.name for path in parts.iterdir()] == ["of-a-long-run.tile"]
 
 
 def test_a_folder_of_ones_own_keeps_the_parts_for_two_commands(
@@ -160,10 +160,10 @@ def test_a_folder_of_ones_own_keeps_the_parts_for_two_commands(
     common = ["--system", str(home / "pair.npz"), "--resume", str(tmp_path / "parts"), "--no-progress", "--jobs", "1"]
     window = ["--Omega", "2.0", "3.5", "--eps", "0.5", "--points", "16", "6"]
     assert validate.main([*common, *window, "--output", str(tmp_path / "a")]) == 0
-    assert len(list((tmp_path / "parts").glob("*.block"))) == 2
-    monkeypatch.setattr(chart, "chart_block", None)  # nothing is left to compute
+    assert len(list((tmp_path / "parts").glob("*.tile"))) == 2
+    monkeypatch.setattr(chart, "chart_batch", None)  # nothing is left to compute
     assert explore.main([*common, *window, "--output", str(tmp_path / "b"), "--no-regions"]) == 0
-    assert len(list((tmp_path / "parts").glob("*.block"))) == 2
+    assert len(list((tmp_path / "parts").glob("*.tile"))) == 2
 
 
 @pytest.mark.parametrize("encoding", ["ascii", "cp1252"])
@@ -221,20 +221,20 @@ def test_a_cluster_that_loses_a_worker_gives_the_same_chart(
 ) -> None:
     from distributed import Client
 
-    from floquet.chart.checkpoint import BlockStore
+    from floquet.chart.checkpoint import TileStore
 
     with Client(scheduler, set_as_default=False) as client:
         victim = min(client.run(os.getpid).values())
     saved: list[Path] = []
-    save = BlockStore.save
+    save = TileStore.save
 
-    def save_and_kill(self: BlockStore, path: Path, block: Any) -> None:
+    def save_and_kill(self: TileStore, path: Path, block: Any) -> None:
         save(self, path, block)
         saved.append(path)
         if len(saved) == BLOCKS // 4:
             os.kill(victim, signal.SIGKILL)
 
-    monkeypatch.setattr(BlockStore, "save", save_and_kill)
+    monkeypatch.setattr(TileStore, "save", save_and_kill)
     arguments = ["--system", str(home / "pair.npz"), "--output", str(tmp_path), "--dask", scheduler, *CHART]
     assert explore.main(arguments) == 0
     assert len(saved) == BLOCKS
@@ -279,23 +279,23 @@ def test_a_scheduler_that_is_lost_on_the_way_is_one_sentence_and_keeps_what_is_d
     home: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     distributed = pytest.importorskip("distributed")
-    from floquet.chart.checkpoint import BlockStore
+    from floquet.chart.checkpoint import TileStore
 
     options: dict[str, Any] = {"n_workers": 1, "threads_per_worker": 2, "dashboard_address": None}
     cluster = distributed.LocalCluster(protocol="tcp://", host="127.0.0.1", processes=False, **options)
-    save = BlockStore.save
+    save = TileStore.save
 
-    def save_and_close(self: BlockStore, path: Path, block: Any) -> None:
+    def save_and_close(self: TileStore, path: Path, block: Any) -> None:
         save(self, path, block)
         cluster.close()
 
-    monkeypatch.setattr(BlockStore, "save", save_and_close)
+    monkeypatch.setattr(TileStore, "save", save_and_close)
     common = ["--system", str(home / "pair.npz"), "--output", str(tmp_path), *CHART]
     assert explore.main([*common, "--dask", cluster.scheduler_address]) == 2
     errors = capsys.readouterr().err
     assert "the connection to the scheduler was lost" in errors
     assert ".unfinished: the same command with --resume goes on" in errors
-    assert 1 <= len(list((tmp_path / ".unfinished").glob("*.block"))) < BLOCKS
+    assert 1 <= len(list((tmp_path / ".unfinished").glob("*.tile"))) < BLOCKS
     monkeypatch.undo()
     assert explore.main([*common, "--resume"]) == 0
     assert _same(home / "whole" / "pair.npz", tmp_path / "pair.npz")

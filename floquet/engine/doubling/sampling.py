@@ -1,5 +1,5 @@
-"""Monodromy matrices of one block for a range of amplitudes: as samples to interpolate between, in as many panels as
-it takes."""
+"""Monodromy matrices of one subsystem for a range of amplitudes: as samples to interpolate between, in as many panels
+as it takes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from floquet.engine.coordinates import Block, Equations
+from floquet.engine.coordinates import Equations, Subsystem, equations, least_frequency
 from floquet.engine.doubling.doubling import Scale, cancellation, doublings, rescale, unit_scale
 from floquet.engine.doubling.interpolation import chebyshev_points, chebyshev_weights, degree, trigonometric_weights
 from floquet.engine.doubling.memo import kept
@@ -57,12 +57,17 @@ class Workspace:
 
 
 class Sampler:
-    """Samples the monodromy matrix of one block at one frequency."""
+    """Samples the monodromy matrix of one subsystem at one frequency."""
 
-    def __init__(self, block: Block, equations: Equations, Omega: float, work: Workspace) -> None:
-        self.block, self.equations, self.work = block, equations, work
+    def __init__(self, subsystem: Subsystem, equations: Equations, Omega: float, work: Workspace) -> None:
+        self.subsystem, self.equations, self.work = subsystem, equations, work
         self.size = len(equations.A)
         self.period = 2 * math.pi / Omega
+
+    @classmethod
+    def of(cls, subsystem: Subsystem, Omega: float, work: Workspace) -> Sampler:
+        """Return the sampler of a subsystem in the coordinates that suit ``Omega``."""
+        return cls(subsystem, equations(subsystem, least_frequency(Omega)), Omega, work)
 
     def panels(self, eps: FloatArray, L: int, tolerance: float) -> Iterator[Panel]:
         """Yield panels that together cover ``eps``, from 2^L steps a period; each is void once the next is asked
@@ -136,7 +141,7 @@ class Sampler:
         work = self.work.arrays(plan.most * self.size**2)
         A, left, right, _ = self.equations
         h = self.period / 2**L
-        return _samples(A, self.block.Fc, self.block.Fs, left, right, h, largest, plan, scale, work)
+        return _samples(A, self.subsystem.Fc, self.subsystem.Fs, left, right, h, largest, plan, scale, work)
 
     def _ordered_product(self, P: FloatArray, B: int, growth: float, scale: Scale) -> tuple[FloatArray, Scale]:
         """Return the product of the B factors P(2 pi b / B), b = 0 ... B - 1, of one amplitude, a part at a time, given

@@ -32,7 +32,7 @@ from floquet.engine.doubling.interpolation import (
     trigonometric_weights,
 )
 from floquet.engine.doubling.memo import kept
-from periodic.checks import FloatArray
+from periodic.checks import ComplexArray, FloatArray
 
 # Error of interpolation on a grid, if the bound on growth were attained. It never is: with this value the errors
 # measured are a few 1e-13 of the norm, which is rounding.
@@ -243,6 +243,6 @@ def _functions(theta: FloatArray, eps: FloatArray, x: FloatArray, count: int) ->
 
 
 @lru_cache(maxsize=16)
-def _unit_circle(count: int, harmonics: int) -> NDArray[np.complex128]:
+def _unit_circle(count: int, harmonics: int) -> ComplexArray:
     """Return random numbers, always the same, (2, harmonics, count)."""
     return np.exp(2j * np.pi * np.random.default_rng(0).random((2, harmonics, count)))

@@ -9,11 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from floquet.engine.eigen.lanes import WIDTH, fma, highest, load, magnitude, pick_le, root, spread, store
 from floquet.engine.eigen.reflections import TINY, lane_array, lane_vectors, pass_general, reflect_column
-from periodic.checks import FloatArray
+from periodic.checks import ComplexArray, FloatArray
 
 UNIT = float(np.finfo(float).eps)
 SWEEPS_PER_EIGENVALUE = 30  # at most, as LAPACK; two or three is usual
@@ -48,8 +47,9 @@ def hessenberg(A: FloatArray, n: int, x: FloatArray) -> None:
 def hessenberg_eigenvalues(H: FloatArray, real: FloatArray, imag: FloatArray, work: FloatArray) -> None:
     """Write the eigenvalues of the upper Hessenberg `lane_array` H into ``real`` and ``imag`` (n, 16).
 
-    Francis double-shift QR; H is destroyed. Each lane has its own window lo..hi, the lowest block that has not split
-    off; a lane is finished at hi = -1. Eigenvalues that have not converged are NaN. ``work`` has shape (1, STATE, 16).
+    Francis double-shift QR; H is destroyed. Each lane has its own window lo..hi, the lowest subsystem that has not
+    split off; a lane is finished at hi = -1. Eigenvalues that have not converged are NaN. ``work`` has shape (1, STATE,
+    16).
     """
     n = real.shape[0]
     work[0, HI], work[0, IDLE] = n - 1, 0.0
@@ -207,7 +207,7 @@ def interpolate(samples: FloatArray, weights: FloatArray, result: FloatArray) ->
 
 
 @njit(cache=True, nogil=True)
-def eigenvalues(samples: FloatArray, weights: FloatArray) -> NDArray[np.complex128]:
+def eigenvalues(samples: FloatArray, weights: FloatArray) -> ComplexArray:
     """Return the eigenvalues (16 g, n) of 16 g combinations of ``samples`` (m, n, n), given lane weights (g, m, 16)."""
     groups, n = weights.shape[0], samples.shape[1]
     A, x, state = lane_array(n), lane_vectors(6, n), np.empty((1, STATE, WIDTH))

@@ -10,16 +10,15 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from floquet.engine.eigen.hessenberg import STATE, hessenberg_eigenvalues, interpolate
 from floquet.engine.eigen.lanes import WIDTH, fma, load, pick_le, root, spread, store
 from floquet.engine.eigen.reflections import lane_array, lane_vectors, pass_general, pass_skew, reflect_column
-from periodic.checks import FloatArray
+from periodic.checks import ComplexArray, FloatArray
 
 
 @njit(cache=True, nogil=True)
-def symplectic_eigenvalues(samples: FloatArray, weights: FloatArray) -> NDArray[np.complex128]:
+def symplectic_eigenvalues(samples: FloatArray, weights: FloatArray) -> ComplexArray:
     """Return mu + 1/mu, shape (16 g, n), of 16 g combinations of ``samples`` (m, 2n, 2n), given lane weights (g,
     m, 16)."""
     groups, n = weights.shape[0], samples.shape[1] // 2
@@ -39,7 +38,7 @@ def symplectic_eigenvalues(samples: FloatArray, weights: FloatArray) -> NDArray[
 
 
 @njit(cache=True, nogil=True)
-def reciprocal_pairs(s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+def reciprocal_pairs(s: ComplexArray) -> ComplexArray:
     """Return the multipliers mu, 1/mu with mu + 1/mu = s, from shape (k, n) to (k, 2n)."""
     k, n = s.shape
     mu = np.empty((k, 2 * n), np.complex128)
@@ -54,7 +53,7 @@ def reciprocal_pairs(s: NDArray[np.complex128]) -> NDArray[np.complex128]:
 
 @njit(cache=True, nogil=True)
 def skew_hamiltonian(Phi: FloatArray, A: FloatArray, G: FloatArray, Q: FloatArray, n: int) -> None:
-    """Write the blocks of Phi + Phi^-1 for the symplectic lane array Phi = [[a, b], [c, d]], 2n x 2n.
+    """Write the subsystems of Phi + Phi^-1 for the symplectic lane array Phi = [[a, b], [c, d]], 2n x 2n.
 
     Phi^-1 = [[d^T, -b^T], [-c^T, a^T]], hence A = a + d^T, G = b - b^T, Q = c - c^T. Of G and Q only the part below
     the diagonal is written.

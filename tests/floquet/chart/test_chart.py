@@ -176,13 +176,13 @@ def test_audit(example):
 def test_audit_notices_faults(monkeypatch):
     # another system in the place of the one that is integrated: the audit must say so
     right, wrong = random_system(25, 2, 1, damping=0.1), random_system(26, 2, 1, damping=0.1)
-    monkeypatch.setattr(floquet.chart, "chart_block", lambda systems, *rest: original([wrong] * len(systems), *rest))
+    monkeypatch.setattr(floquet.chart, "chart_batch", lambda systems, *rest: original([wrong] * len(systems), *rest))
     found = chart(right, np.linspace(1, 2, 5), np.linspace(0, 1, 5), audit=16)
     assert not found.audit.ok
     assert found.audit.largest_ratio > 1e3
 
 
-original = floquet.chart.chart.chart_block
+original = floquet.chart.chart.chart_batch
 
 
 def test_contradiction_is_not_ok():

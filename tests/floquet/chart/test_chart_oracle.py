@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 import floquet.engine.column
 from floquet import Kind, monodromy, stability_chart
-from floquet.engine.column import CLOSE, LEAST_STEPS, _measured, chart_block
+from floquet.engine.column import CLOSE, LEAST_STEPS, _measured, chart_batch
 from floquet.engine.eigen.hessenberg import eigenvalues
 from periodic import PeriodicSystem
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu
@@ -186,13 +186,13 @@ def test_step_size_resonance():
     Omega, eps = np.linspace(40, 75, 36), np.linspace(0, 1, 9)
     chart = stability_chart(system, Omega, eps, audit=0, progress=False)
     period = 2 * np.pi / Omega
-    few = chart_block([system] * len(Omega), Omega, eps, 1.0)
+    few = chart_batch([system] * len(Omega), Omega, eps, 1.0)
     # the trap is real: with one or two steps in a cycle of the fastest mode, log|mu| is off by 0.1 in stable cells ...
     wrong = np.abs(few.growth_rate - chart.growth_rate) * period
     assert wrong[chart.kind == Kind.STABLE].max() > 0.1
     # ... and the rule keeps out of it, by a factor that leaves the resonance far behind
     assert LEAST_STEPS >= 8
-    enough = chart_block([system] * len(Omega), Omega, eps, LEAST_STEPS)
+    enough = chart_batch([system] * len(Omega), Omega, eps, LEAST_STEPS)
     right = np.abs(enough.growth_rate - chart.growth_rate) * period
     assert (right <= 3 * (enough.error + chart.error) + 1e-13).all()
     assert right.max() < 1e-5

@@ -25,11 +25,11 @@ import sys, time
 import numpy as np
 from floquet import chart, stability_chart
 from periodic.examples import coupled_mathieu
-whole = chart.chart_block
+whole = chart.chart_batch
 def slow(*arguments):
     time.sleep(0.05)
     return whole(*arguments)
-chart.chart_block = slow
+chart.chart_batch = slow
 stability_chart(coupled_mathieu(), np.linspace(0.7, 5.0, 40), np.linspace(0.0, 1.0, 12), n_jobs=1, progress=False,
                 audit=0, cache=sys.argv[1])
 """
@@ -45,47 +45,47 @@ def _same(a: StabilityChart, b: StabilityChart) -> bool:
 
 @pytest.fixture
 def counted(monkeypatch: pytest.MonkeyPatch) -> list[int]:
-    """Count the blocks that are computed."""
+    """Count the tiles that are computed."""
     calls: list[int] = []
-    whole = chart_module.chart_block
+    whole = chart_module.chart_batch
 
-    def block(*arguments: object) -> object:
+    def tile(*arguments: object) -> object:
         calls.append(1)
         return whole(*arguments)
 
-    monkeypatch.setattr(chart_module, "chart_block", block)
+    monkeypatch.setattr(chart_module, "chart_batch", tile)
     return calls
 
 
 def test_a_second_call_computes_nothing(tmp_path: Path, counted: list[int]) -> None:
     plain = _chart()
-    blocks = len(counted)
+    tiles = len(counted)
     first = _chart(cache=tmp_path)
-    assert len(counted) == 2 * blocks
+    assert len(counted) == 2 * tiles
     second = _chart(cache=tmp_path)
-    assert len(counted) == 2 * blocks
+    assert len(counted) == 2 * tiles
     assert _same(plain, first)
     assert _same(plain, second)
 
 
 def test_another_input_is_another_block(tmp_path: Path, counted: list[int]) -> None:
     _chart(cache=tmp_path)
-    blocks = len(counted)
+    tiles = len(counted)
     stability_chart(mathieu(), OMEGA, EPS, n_jobs=1, progress=False, audit=0, cache=tmp_path)
     stability_chart(coupled_mathieu(), OMEGA, EPS[:-1], n_jobs=1, progress=False, audit=0, cache=tmp_path)
     stability_chart(coupled_mathieu(), 1.01 * OMEGA, EPS, n_jobs=1, progress=False, audit=0, cache=tmp_path)
-    assert len(counted) == 4 * blocks
+    assert len(counted) == 4 * tiles
     # an amplitude that decides nothing about the steps
     others = np.concatenate([[0.9 * EPS[0] + 0.1 * EPS[1]], EPS[1:]])
     stability_chart(coupled_mathieu(), OMEGA, others, n_jobs=1, progress=False, audit=0, cache=tmp_path)
-    assert len(counted) == 5 * blocks
+    assert len(counted) == 5 * tiles
 
 
 @pytest.mark.parametrize("damage", ["truncated", "flipped", "empty", "gone"])
 def test_a_damaged_block_is_noticed_and_computed_again(tmp_path: Path, counted: list[int], damage: str) -> None:
     whole = _chart(cache=tmp_path)
-    blocks = len(counted)
-    victim = sorted(tmp_path.glob("*.block"))[1]
+    tiles = len(counted)
+    victim = sorted(tmp_path.glob("*.tile"))[1]
     data = bytearray(victim.read_bytes())
     if damage == "truncated":
         victim.write_bytes(data[: len(data) // 2])
@@ -97,22 +97,22 @@ def test_a_damaged_block_is_noticed_and_computed_again(tmp_path: Path, counted: 
     else:
         victim.unlink()
     assert _same(whole, _chart(cache=tmp_path))
-    assert len(counted) == blocks + 1
+    assert len(counted) == tiles + 1
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="this system has no kill -9")
 def test_kill_nine_at_any_moment_loses_no_finished_block(tmp_path: Path, counted: list[int]) -> None:
     whole = _chart()
-    blocks = len(counted)
+    tiles = len(counted)
     child = subprocess.Popen([sys.executable, "-c", CHILD, str(tmp_path)])
-    while child.poll() is None and len(list(tmp_path.glob("*.block"))) < 2:
+    while child.poll() is None and len(list(tmp_path.glob("*.tile"))) < 2:
         time.sleep(0.01)
     os.kill(child.pid, signal.SIGKILL)
     assert child.wait() == -signal.SIGKILL
-    kept = len(list(tmp_path.glob("*.block")))
-    assert 2 <= kept < blocks
+    kept = len(list(tmp_path.glob("*.tile")))
+    assert 2 <= kept < tiles
     assert _same(whole, _chart(cache=tmp_path))
-    assert len(counted) == 2 * blocks - kept
+    assert len(counted) == 2 * tiles - kept
 
 
 @pytest.mark.slow

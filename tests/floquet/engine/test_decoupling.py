@@ -1,4 +1,4 @@
-"""Independent blocks, and the coordinates in which each is integrated."""
+"""Independent subsystems, and the coordinates in which each is integrated."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 import floquet.engine.decoupling
 from floquet import stability_chart
-from floquet.engine.coordinates import blocks, equations
-from floquet.engine.decoupling import independent_blocks
+from floquet.engine.coordinates import equations, subsystems
+from floquet.engine.decoupling import invariant_subspaces
 from periodic import PeriodicSystem
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu
 from tests.floquet.oracle_systems import first_order, random_system
@@ -39,7 +39,7 @@ def joined(*systems, seed=0):
 @given(st.integers(0, 10**6), st.lists(st.integers(1, 4), min_size=1, max_size=3), st.booleans())
 def test_hidden_blocks_are_found(seed, sizes, symmetric):
     parts = [random_system(seed + i, n, 2, symmetric=symmetric, damping=0.1) for i, n in enumerate(sizes)]
-    found = sorted(len(block.K) for block in blocks(joined(*parts, seed=seed)))
+    found = sorted(len(subsystem.K) for subsystem in subsystems(joined(*parts, seed=seed)))
     assert found == sorted(sizes)
 
 
@@ -48,7 +48,7 @@ def test_hidden_blocks_are_found(seed, sizes, symmetric):
 def test_bases_are_orthonormal_and_complete(seed, n):
     matrices = np.random.default_rng(seed).standard_normal((3, n, n))
     matrices[:, : n // 2, n // 2 :] = matrices[:, n // 2 :, : n // 2] = 0
-    X = np.hstack(independent_blocks(matrices))
+    X = np.hstack(invariant_subspaces(matrices))
     np.testing.assert_allclose(X.T @ X, np.eye(n), atol=1e-13)
 
 
@@ -59,7 +59,7 @@ def test_blocks_of_a_family_keep_their_order(seed, sizes):
     rng = np.random.default_rng(seed)
     turn = sla.qr(rng.standard_normal((sum(sizes), sum(sizes))))[0]
     one, other = (
-        independent_blocks(
+        invariant_subspaces(
             np.array([turn @ sla.block_diag(*(rng.standard_normal((n, n)) for n in sizes)) @ turn.T for _ in range(3)])
         )
         for _ in range(2)
@@ -69,20 +69,20 @@ def test_blocks_of_a_family_keep_their_order(seed, sizes):
 
 
 def test_no_matrices_at_all():
-    assert [X.tolist() for X in independent_blocks(np.zeros((2, 2, 2)))] == [[[1.0], [0.0]], [[0.0], [1.0]]]
+    assert [X.tolist() for X in invariant_subspaces(np.zeros((2, 2, 2)))] == [[[1.0], [0.0]], [[0.0], [1.0]]]
 
 
 def test_one_sided_coupling_keeps_blocks_together():
     # no invariant complement is lost: an unsymmetric matrix couples both ways
     matrices = np.array([[[1.0, 0.3], [0.0, 2.0]], np.diag([1.0, 3.0])])
-    assert len(independent_blocks(matrices)) == 1
+    assert len(invariant_subspaces(matrices)) == 1
 
 
 @pytest.mark.parametrize("coupling", [1e-2, 1e-5, 1e-9])
 def test_weak_couplings_are_couplings(coupling):
     matrices = np.array([np.diag([1.0, 2.0, 3.0]), np.diag([0.5, 0.1, 0.3])])
     matrices[0, 0, 1] = matrices[0, 1, 0] = coupling
-    assert sorted(X.shape[1] for X in independent_blocks(matrices)) == [1, 2]
+    assert sorted(X.shape[1] for X in invariant_subspaces(matrices)) == [1, 2]
 
 
 def test_split_and_unsplit_agree(monkeypatch):
@@ -90,8 +90,8 @@ def test_split_and_unsplit_agree(monkeypatch):
     Omega, eps = np.linspace(1.0, 3.0, 6), np.linspace(0.0, 0.8, 9)
     split = stability_chart(system, Omega, eps, audit=0)
     monkeypatch.setattr(floquet.engine.decoupling, "COUPLING", -1.0)
-    blocks.cache_clear()
-    assert len(blocks(system)) == 1
+    subsystems.cache_clear()
+    assert len(subsystems(system)) == 1
     whole = stability_chart(system, Omega, eps, audit=0)
     difference = np.abs(split.growth_rate - whole.growth_rate) * 2 * np.pi / Omega
     assert (difference <= split.error + whole.error + 1e-13).all()
@@ -112,7 +112,7 @@ def mathieu_like(harmonics):
 def test_free_motion_has_the_eigenvalues_of_the_system(seed, n, symmetric, damping):
     system = random_system(seed, n, symmetric=symmetric, damping=damping)
     exact = first_order(system, 1.0, 0.0, 0.0)
-    found = [equations(block, 0.1).A for block in blocks(system)]
+    found = [equations(subsystem, 0.1).A for subsystem in subsystems(system)]
     # characteristic polynomials: eigenvalues themselves may be ill-conditioned
     polynomial = np.array([1.0])
     for A in found:
@@ -124,30 +124,30 @@ def test_free_motion_has_the_eigenvalues_of_the_system(seed, n, symmetric, dampi
 def test_energy_coordinates():
     # conservative motion is a rotation, damping shrinks: A + A^T = -2 diag(0, C), with nothing left of the stiffness
     system = random_system(8, 4, damping=0.3)
-    (block,) = blocks(
+    (subsystem,) = subsystems(
         PeriodicSystem(
             system.mass, system.gyroscopic, system.damping, system.mass + 0.1 * system.damping, system.cosine
         )
     )
-    free = equations(block, 1e-3)
+    free = equations(subsystem, 1e-3)
     zero = np.zeros((4, 4))
-    expected = np.block([[zero, zero], [zero, -2 * block.C]])
+    expected = np.block([[zero, zero], [zero, -2 * subsystem.C]])
     np.testing.assert_allclose(free.A + free.A.T, expected, atol=1e-12)
 
 
 def test_canonical_coordinates():
     # the flow is Hamiltonian: J A is symmetric
-    (block,) = blocks(random_system(9, 4))
-    assert block.symplectic
-    A = equations(block, 1e-3).A
-    b = len(block.K)
+    (subsystem,) = subsystems(random_system(9, 4))
+    assert subsystem.symplectic
+    A = equations(subsystem, 1e-3).A
+    b = len(subsystem.K)
     J = np.block([[np.zeros((b, b)), np.eye(b)], [-np.eye(b), np.zeros((b, b))]])
     np.testing.assert_allclose(J @ A, (J @ A).T, atol=1e-12 * np.abs(A).max())
 
 
 def test_kinds_of_blocks():
     def properties(system):
-        return [(block.symplectic, block.reversible) for block in blocks(system)]
+        return [(subsystem.symplectic, subsystem.reversible) for subsystem in subsystems(system)]
 
     assert properties(mathieu()) == [(True, True)]
     assert properties(mathieu(damping=0.1)) == [(False, False)]
@@ -157,7 +157,7 @@ def test_kinds_of_blocks():
 
 def test_damping_of_one_block_leaves_the_other_conservative():
     system = joined(mathieu(1.0), mathieu(2.0, damping=0.3))
-    assert sorted(block.symplectic for block in blocks(system)) == [False, True]
+    assert sorted(subsystem.symplectic for subsystem in subsystems(system)) == [False, True]
 
 
 def test_ill_conditioned_mass():

@@ -79,8 +79,8 @@ def test_error_of_well_conditioned_multiple_multipliers_is_not_a_root():
     ],
 )
 def test_kinds_of_a_dissipative_system(mu, kind):
-    block = [[np.real(mu), np.imag(mu)], [-np.imag(mu), np.real(mu)]] if np.imag(mu) else [[mu]]
-    Phi = sla.block_diag(block, 0.5)
+    subsystem = [[np.real(mu), np.imag(mu)], [-np.imag(mu), np.real(mu)]] if np.imag(mu) else [[mu]]
+    Phi = sla.block_diag(subsystem, 0.5)
     found = spectrum(Phi, 1e-10, reciprocal=False)
     assert found.kind == kind
     assert found.log_modulus == pytest.approx(np.log(abs(mu)), abs=1e-14)
@@ -90,12 +90,12 @@ def rotation(angle):
     return np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
 
 
-def symplectic(*blocks):
-    """Two-by-two blocks (x_i, p_i) in the order (x, p), and the form they conserve."""
-    n = len(blocks)
+def symplectic(*subsystems):
+    """Two-by-two subsystems (x_i, p_i) in the order (x, p), and the form they conserve."""
+    n = len(subsystems)
     order = np.argsort(np.arange(2 * n) % 2, kind="stable")
     inner = np.ix_(order, order)
-    return sla.block_diag(*blocks)[inner], sla.block_diag(*[FORM] * n)[inner]
+    return sla.block_diag(*subsystems)[inner], sla.block_diag(*[FORM] * n)[inner]
 
 
 def test_isolated_multipliers_stay_on_the_circle():

@@ -1,4 +1,4 @@
-"""Splitting into blocks and energy coordinates: nothing is lost, nothing is coupled that is not."""
+"""Splitting into subsystems and energy coordinates: nothing is lost, nothing is coupled that is not."""
 
 from __future__ import annotations
 
@@ -18,33 +18,33 @@ from tests.strategies import join, transformed
 @pytest.mark.parametrize("t", [0.0, 0.9])
 def test_equations_are_those_of_the_system(symmetric, t):
     system, Omega, eps = random_system(5, 4, 3, symmetric=symmetric, damping=0.2), 1.3, 0.7
-    (block,) = reduce_system(system, eps, 1.0)
-    eq = block.equations
+    (subsystem,) = reduce_system(system, eps, 1.0)
+    eq = subsystem.equations
     m = len(eq.w)
     phase = np.arange(eq.alpha.shape[1]) * Omega * t
     f = eq.alpha @ np.cos(phase) + eq.beta @ np.sin(phase)
     S = eq.S.reshape(m, -1, m).transpose(1, 0, 2)
     stiffness = np.diag(eq.k) + np.tensordot(f, S[: len(f)], 1)
     A = np.block([[np.zeros((m, m)), np.diag(eq.w)], [-stiffness, -S[-1]]])
-    back = block.to_q @ A @ block.from_q
+    back = subsystem.to_q @ A @ subsystem.from_q
     expected = first_order(system, Omega, eps, t)
     assert np.linalg.norm(back - expected) < 1e-13 * np.linalg.norm(expected)
-    assert block.from_q @ block.to_q == pytest.approx(np.eye(2 * m), abs=1e-13)
+    assert subsystem.from_q @ subsystem.to_q == pytest.approx(np.eye(2 * m), abs=1e-13)
 
 
 def test_spectral_radius_is_below_the_rate():
     for seed in range(20):
         system = random_system(seed, 3, 2, damping=0.1 * (seed % 3))
-        (block,) = reduce_system(system, 0.8, 1.0)
+        (subsystem,) = reduce_system(system, 0.8, 1.0)
         for t in np.linspace(0, 6, 13):
-            assert np.abs(np.linalg.eigvals(first_order(system, 1.0, 0.8, t))).max() < block.rate * (1 + 1e-12)
+            assert np.abs(np.linalg.eigvals(first_order(system, 1.0, 0.8, t))).max() < subsystem.rate * (1 + 1e-12)
 
 
 def test_constant_matrix_has_the_exponents():
     system = random_system(6, 3, symmetric=False, damping=0.4)
-    (block,) = reduce_system(system, 1.0, 1.0)
+    (subsystem,) = reduce_system(system, 1.0, 1.0)
     exact = np.linalg.eigvals(first_order(system, 1.0, 0.0, 0.0))
-    assert np.sort_complex(np.linalg.eigvals(constant_matrix(block.equations))) == pytest.approx(
+    assert np.sort_complex(np.linalg.eigvals(constant_matrix(subsystem.equations))) == pytest.approx(
         np.sort_complex(exact), abs=1e-12
     )
 
@@ -52,10 +52,10 @@ def test_constant_matrix_has_the_exponents():
 def test_blocks_are_found_in_any_order_of_coordinates():
     system = join(random_system(1, 2), random_system(2, 3, 2), mathieu())
     order = np.random.default_rng(0).permutation(6)
-    blocks = reduce_system(transformed(system, np.eye(6)[:, order]), 0.5, 1.0)
-    assert sorted(len(block.equations.w) for block in blocks) == [1, 2, 3]
-    assert all(block.neglected == 0 for block in blocks)
-    assert sum(block.to_q @ block.from_q for block in blocks) == pytest.approx(np.eye(12), abs=1e-13)
+    subsystems = reduce_system(transformed(system, np.eye(6)[:, order]), 0.5, 1.0)
+    assert sorted(len(subsystem.equations.w) for subsystem in subsystems) == [1, 2, 3]
+    assert all(subsystem.neglected == 0 for subsystem in subsystems)
+    assert sum(subsystem.to_q @ subsystem.from_q for subsystem in subsystems) == pytest.approx(np.eye(12), abs=1e-13)
 
 
 def test_rounding_noise_does_not_couple_and_is_charged():
@@ -65,11 +65,11 @@ def test_rounding_noise_does_not_couple_and_is_charged():
     noisy = PeriodicSystem(
         system.mass, system.gyroscopic, system.damping, system.stiffness + noise, system.cosine, system.sine
     )
-    blocks = reduce_system(noisy, 0.5, 1.0)
-    assert len(blocks) == 2
-    for block in blocks:
-        assert block.reciprocal
-        assert 1e-16 < block.neglected < 1e-14
+    subsystems = reduce_system(noisy, 0.5, 1.0)
+    assert len(subsystems) == 2
+    for subsystem in subsystems:
+        assert subsystem.reciprocal
+        assert 1e-16 < subsystem.neglected < 1e-14
     coupled = PeriodicSystem(
         system.mass, system.gyroscopic, system.damping, system.stiffness + 1e4 * noise, system.cosine, system.sine
     )
@@ -78,19 +78,19 @@ def test_rounding_noise_does_not_couple_and_is_charged():
 
 def test_equal_frequencies_are_separated_by_symmetry():
     # for x1 + x2 and x1 - x2 the equations are two of Mathieu's, although every basis diagonalises the stiffness
-    blocks = reduce_system(coupled_mathieu("sum", frequencies=(1.3, 1.3)), 0.4, 1.0)
-    assert [len(block.equations.w) for block in blocks] == [1, 1]
+    subsystems = reduce_system(coupled_mathieu("sum", frequencies=(1.3, 1.3)), 0.4, 1.0)
+    assert [len(subsystem.equations.w) for subsystem in subsystems] == [1, 1]
     rotation = sla.qr(np.random.default_rng(1).random((4, 4)))[0]
     rotated = transformed(join(random_system(7, 2), random_system(8, 2)), rotation)
-    assert [len(block.equations.w) for block in reduce_system(rotated, 0.4, 1.0)] == [2, 2]
+    assert [len(subsystem.equations.w) for subsystem in reduce_system(rotated, 0.4, 1.0)] == [2, 2]
 
 
 def test_rank_of_the_excitation():
     base = np.array([[1.0, 0.4], [0.4, -0.3]])
     cosine = np.array([base / j for j in range(1, 17)])
     system = PeriodicSystem(np.eye(2), np.zeros((2, 2)), np.zeros((2, 2)), [[1.0, 0.1], [0.1, 2.0]], cosine)
-    (block,) = reduce_system(system, 0.5, 1.0)
-    assert block.equations.alpha.shape == (1, 17)
+    (subsystem,) = reduce_system(system, 0.5, 1.0)
+    assert subsystem.equations.alpha.shape == (1, 17)
 
 
 @pytest.mark.parametrize(
@@ -103,34 +103,34 @@ def test_rank_of_the_excitation():
     ],
 )
 def test_structure_is_recognised(arguments, reciprocal, conservative):
-    (block,) = reduce_system(random_system(9, 3, 2, **arguments), 0.5, 1.0)
-    assert block.reciprocal is reciprocal
-    assert (block.form is not None) is conservative
+    (subsystem,) = reduce_system(random_system(9, 3, 2, **arguments), 0.5, 1.0)
+    assert subsystem.reciprocal is reciprocal
+    assert (subsystem.form is not None) is conservative
 
 
 def test_form_is_conserved():
     # d/dt of x^T form y vanishes along solutions: form A is symmetric at every time
     system, Omega, eps = random_system(5, 3, 2), 1.3, 0.7
-    (block,) = reduce_system(system, eps, 1.0)
-    assert block.form == pytest.approx(-block.form.T)
+    (subsystem,) = reduce_system(system, eps, 1.0)
+    assert subsystem.form == pytest.approx(-subsystem.form.T)
     for t in (0.0, 0.4, 2.1):
-        A = block.from_q @ first_order(system, Omega, eps, t) @ block.to_q
-        assert block.form @ A == pytest.approx((block.form @ A).T, abs=1e-13)
+        A = subsystem.from_q @ first_order(system, Omega, eps, t) @ subsystem.to_q
+        assert subsystem.form @ A == pytest.approx((subsystem.form @ A).T, abs=1e-13)
 
 
 def test_reversible_systems_are_reciprocal():
     system = random_system(9, 3, 2, symmetric=False, gyroscopic=False)
     cosines = PeriodicSystem(system.mass, system.gyroscopic, system.damping, system.stiffness, system.cosine)
-    (block,) = reduce_system(cosines, 0.5, 1.0)
-    assert block.reciprocal
-    assert block.form is None
+    (subsystem,) = reduce_system(cosines, 0.5, 1.0)
+    assert subsystem.reciprocal
+    assert subsystem.form is None
 
 
 def test_a_gyroscopic_system_with_unsymmetric_stiffness_is_not_reciprocal():
     system = random_system(9, 3, 2, symmetric=False, gyroscopic=True)
     cosines = PeriodicSystem(system.mass, system.gyroscopic, system.damping, system.stiffness, system.cosine)
-    (block,) = reduce_system(cosines, 0.5, 1.0)
-    assert not block.reciprocal
+    (subsystem,) = reduce_system(cosines, 0.5, 1.0)
+    assert not subsystem.reciprocal
     # and rightly: the multipliers are not
     moduli = np.abs(monodromy(cosines, 2.0, 0.5).multipliers)
     assert np.prod(moduli) == pytest.approx(1, abs=1e-9)
@@ -146,12 +146,12 @@ def test_frequencies_are_good_to_their_own_rounding():
     system = PeriodicSystem(
         np.eye(n), np.zeros((n, n)), np.zeros((n, n)), core * np.outer(grade, grade), np.eye(n)[None]
     )
-    blocks = reduce_system(system, 0.0, 1.0)
-    lowest = min((block.equations.w * block.equations.k).min() for block in blocks)
+    subsystems = reduce_system(system, 0.0, 1.0)
+    lowest = min((subsystem.equations.w * subsystem.equations.k).min() for subsystem in subsystems)
     assert lowest == pytest.approx(smallest, rel=1e-14)
     assert np.linalg.eigvalsh(system.stiffness)[0] != pytest.approx(smallest, rel=1e-12)  # what it would be otherwise
 
 
 def test_modulation_of_mathieu():
-    (block,) = reduce_system(mathieu(4.0), 1.0, 1e-3)
-    assert modulation(block.equations) == pytest.approx(0.25)
+    (subsystem,) = reduce_system(mathieu(4.0), 1.0, 1e-3)
+    assert modulation(subsystem.equations) == pytest.approx(0.25)

@@ -9,20 +9,28 @@ import pytest
 import scipy.linalg as sla
 
 from floquet.oracle.reduction import constant_matrix, reduce_system
-from floquet.oracle.taylor import CONVERGED, OVERFLOWN, UNCONVERGED, Block, forcing_coefficients, integrate, taylor_step
+from floquet.oracle.taylor import (
+    CONVERGED,
+    OVERFLOWN,
+    UNCONVERGED,
+    Coefficients,
+    forcing_coefficients,
+    integrate,
+    taylor_step,
+)
 from tests.floquet.oracle_systems import random_system
 
 
 def block_of(system, eps=0.5):
-    (block,) = reduce_system(system, eps, 1.0)
-    return block
+    (subsystem,) = reduce_system(system, eps, 1.0)
+    return subsystem
 
 
-def period(block, Omega, steps, order, tolerance=0.0):
-    m = len(block.equations.w)
+def period(subsystem, Omega, steps, order, tolerance=0.0):
+    m = len(subsystem.equations.w)
     y = np.eye(2 * m)
     y1, y2 = y[:m].copy(), y[m:].copy()
-    status, _ = integrate(block.equations, Omega, steps, 0, steps, order, tolerance, y1, y2)
+    status, _ = integrate(subsystem.equations, Omega, steps, 0, steps, order, tolerance, y1, y2)
     return np.vstack([y1, y2]), status
 
 
@@ -41,8 +49,8 @@ def test_forcing_coefficients_are_the_taylor_series():
 
 @pytest.mark.kernel
 def test_step_without_excitation_is_the_exponential():
-    block = block_of(random_system(1, 2, damping=0.3))
-    quiet = block.equations._replace(alpha=0 * block.equations.alpha, beta=0 * block.equations.beta)
+    subsystem = block_of(random_system(1, 2, damping=0.3))
+    quiet = subsystem.equations._replace(alpha=0 * subsystem.equations.alpha, beta=0 * subsystem.equations.beta)
     h, order = 0.5, 40
     y1, y2 = np.eye(2, 4), np.eye(2, 4, 2)
     history, stacked = np.empty((order + 1, 8)), np.empty((len(quiet.alpha) + 1, 8))
@@ -50,7 +58,7 @@ def test_step_without_excitation_is_the_exponential():
     terms, last, _ = taylor_step(quiet, coefficients, h, 1e-16, y1, y2, history, stacked)
     assert terms < order
     assert last <= 1e-16
-    A = constant_matrix(block.equations)
+    A = constant_matrix(subsystem.equations)
     assert np.vstack([y1, y2]) == pytest.approx(sla.expm(h * A), abs=1e-14)
 
 
@@ -58,12 +66,12 @@ def test_step_without_excitation_is_the_exponential():
 def test_terms_are_the_derivatives_of_the_solution():
     # x'' + (1 + cos t) x = 0 with x(0) = 1, x'(0) = 0: x = 1 - t^2 + (5/24) t^4 + ... by hand from the equation
     one = np.ones((1, 1))
-    block = Block(one[0], one[0], one.copy(), False, np.array([[0.0, 1.0]]), np.array([[0.0, 0.0]]))
+    subsystem = Coefficients(one[0], one[0], one.copy(), False, np.array([[0.0, 1.0]]), np.array([[0.0, 0.0]]))
     y1, y2 = np.array([[1.0]]), np.array([[0.0]])
     history, stacked = np.empty((6, 1)), np.empty((2, 1))
-    coefficients = forcing_coefficients(block.alpha, block.beta, 0, 6, 5)
+    coefficients = forcing_coefficients(subsystem.alpha, subsystem.beta, 0, 6, 5)
     h = 2 * np.pi / 6
-    taylor_step(block, coefficients, h, 0.0, y1, y2, history, stacked)
+    taylor_step(subsystem, coefficients, h, 0.0, y1, y2, history, stacked)
     assert history[:5, 0] / h ** np.arange(5) == pytest.approx([1.0, 0.0, -1.0, 0.0, 5 / 24], abs=1e-15)
 
 
@@ -71,12 +79,12 @@ def test_terms_are_the_derivatives_of_the_solution():
 def test_rounding_of_a_step_is_estimated(h):
     # a rotation by h: its terms reach h^h / h!, 65 at h = 6 and 19 000 at h = 12, and cancel
     one = np.ones((1, 1))
-    block = Block(one[0], one[0], one.copy(), False, np.zeros((1, 2)), np.zeros((1, 2)))
+    subsystem = Coefficients(one[0], one[0], one.copy(), False, np.zeros((1, 2)), np.zeros((1, 2)))
     angles = h * np.linspace(1.0, 1.01, 40)
     errors, estimates = [], []
     for angle in angles:
         y1, y2 = np.eye(1, 2), np.eye(1, 2, 1)
-        status, rounding = integrate(block, 2 * np.pi / angle, 1, 0, 1, 80, 1e-17, y1, y2)
+        status, rounding = integrate(subsystem, 2 * np.pi / angle, 1, 0, 1, 80, 1e-17, y1, y2)
         exact = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
         assert status == CONVERGED
         errors.append(np.linalg.norm(np.vstack([y1, y2]) - exact))
@@ -87,13 +95,13 @@ def test_rounding_of_a_step_is_estimated(h):
 
 @pytest.mark.parametrize("order", [4, 7])
 def test_order_of_convergence(order):
-    block = block_of(random_system(3, 3, 2))
-    exact, status = period(block, 1.1, 60, 60, 1e-17)
+    subsystem = block_of(random_system(3, 3, 2))
+    exact, status = period(subsystem, 1.1, 60, 60, 1e-17)
     assert status == CONVERGED
     steps = np.array([40, 57, 80, 113])
     errors = []
     for number in steps:
-        approximate, status = period(block, 1.1, number, order)
+        approximate, status = period(subsystem, 1.1, number, order)
         assert status == UNCONVERGED  # the series were cut
         errors.append(np.linalg.norm(approximate - exact, 2))
     slope = np.polyfit(np.log(steps), np.log(errors), 1)[0]
@@ -104,9 +112,11 @@ def test_order_of_convergence(order):
 def test_overflow_is_reported():
     # x'' = 1e4 x over T = 2 pi: e^628
     one = np.ones((1, 1))
-    block = Block(np.array([100.0]), np.array([-100.0]), one.copy(), False, np.zeros((1, 2)), np.zeros((1, 2)))
+    subsystem = Coefficients(
+        np.array([100.0]), np.array([-100.0]), one.copy(), False, np.zeros((1, 2)), np.zeros((1, 2))
+    )
     y1, y2 = np.eye(1, 2), np.eye(1, 2, 1)
-    assert integrate(block, 1.0, 300, 0, 300, 60, 1e-16, y1, y2)[0] == OVERFLOWN
+    assert integrate(subsystem, 1.0, 300, 0, 300, 60, 1e-16, y1, y2)[0] == OVERFLOWN
 
 
 def test_many_harmonics():

@@ -1,11 +1,12 @@
-"""What columns say about a resonance: where wide regions are, which block is meant, what is unstable with a third."""
+"""What columns say about a resonance: where wide regions are, which subsystem is meant, what is unstable with a
+third."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from floquet.engine.coordinates import blocks
+from floquet.engine.coordinates import subsystems
 from floquet.regions.detuning import Nodes, Wide, home_of, scan_nodes
 from floquet.regions.exponents import Exponents
 from floquet.regions.naming import resonances
@@ -41,10 +42,10 @@ def test_columns_on_both_sides_enclose_every_resonance() -> None:
 
 def test_the_home_of_a_candidate_is_found_among_blocks() -> None:
     system = MovingPlate(axial_terms=2, lateral_terms=3).at(30.0)
-    parts = blocks(system)
+    parts = subsystems(system)
     for one in candidates(system, resonances(system, 20.0, 40.0), 0.5)[:10]:
-        assert parts[home_of(parts, one.home, 20.0)].K.shape == one.home.block.K.shape
-        np.testing.assert_allclose(parts[home_of(parts, one.home, 20.0)].K, one.home.block.K)
+        assert parts[home_of(parts, one.home, 20.0)].K.shape == one.home.subsystem.K.shape
+        np.testing.assert_allclose(parts[home_of(parts, one.home, 20.0)].K, one.home.subsystem.K)
 
 
 @pytest.mark.parametrize(("partner", "counts"), [(1, True), (2, False)])
@@ -57,7 +58,7 @@ def test_a_damped_mode_that_is_unstable_with_a_third_says_nothing(partner: int, 
     modulus[1, 0] += 0.1  # what mode 1 gains, mode 2 loses, unless it comes from elsewhere
     if partner == 1:
         modulus[1, 1] -= 0.1
-    column = Modes(one.home.block, Exponents(np.abs((angle + np.pi) % (2 * np.pi) - np.pi), modulus, 0 * angle))
+    column = Modes(one.home.subsystem, Exponents(np.abs((angle + np.pi) % (2 * np.pi) - np.pi), modulus, 0 * angle))
     none = np.zeros((0, 2))
     nodes = Nodes(np.zeros(0), none, none, Wide(np.array([1.0, 4.0]), np.zeros((1, 2), dtype=bool)))
     f = nodes.with_column(one, 2.7, column, np.array([0.0, 0.1])).f[0]

@@ -8,8 +8,8 @@ from scipy.optimize import brentq
 from scipy.special import mathieu_a, mathieu_b
 
 from floquet import monodromy
-from floquet.engine.column import least_frequency, log2_steps, multipliers
-from floquet.engine.coordinates import blocks, equations
+from floquet.engine.column import log2_steps, multipliers
+from floquet.engine.coordinates import subsystems
 from floquet.engine.doubling.sampling import Sampler, Workspace
 from floquet.regions.exponents import Exponents, edge, follow, leading, modes, modes_symplectic, test_function
 from periodic.examples import mathieu
@@ -145,12 +145,12 @@ def test_an_edge_may_be_met_exactly() -> None:
 @pytest.mark.parametrize("damping", [0.0, 0.05])
 def test_an_edge_between_two_amplitudes(damping: float) -> None:
     system, Omega, eps = mathieu(damping=damping), 1.8, np.linspace(0, 1, 33)
-    (block,) = blocks(system)
-    sampler = Sampler(block, equations(block, least_frequency(Omega)), Omega, Workspace())
-    mu, exponents, *_ = multipliers(sampler, eps, log2_steps(block, Omega, eps, 64.0), 1e-11)
-    found = (modes_symplectic if block.symplectic else modes)(mu, exponents)
+    (subsystem,) = subsystems(system)
+    sampler = Sampler.of(subsystem, Omega, Workspace())
+    mu, exponents, *_ = multipliers(sampler, eps, log2_steps(subsystem, Omega, eps, 64.0), 1e-11)
+    found = (modes_symplectic if subsystem.symplectic else modes)(mu, exponents)
     inside = int(np.flatnonzero((found.modulus + found.split).max(axis=1) > 1e-9)[0])
-    low = edge(found, eps, inside - 1, inside, inside + 1, block.symplectic)
+    low = edge(found, eps, inside - 1, inside, inside + 1, subsystem.symplectic)
     if damping == 0:
         exact = min(
             brentq(lambda e, side=side: 4 / Omega**2 - side(1, 2 * e / Omega**2), 0.1, 1.0)
@@ -161,7 +161,7 @@ def test_an_edge_between_two_amplitudes(damping: float) -> None:
         exact = brentq(lambda e: monodromy(system, Omega, e).growth_rate, eps[inside - 1], eps[inside], xtol=1e-10)
     # a parabola through amplitudes 1/32 apart
     assert low == pytest.approx(exact, abs=1e-4)
-    assert edge(found, eps, inside - 1, inside, inside, block.symplectic) == pytest.approx(exact, abs=3e-3)
+    assert edge(found, eps, inside - 1, inside, inside, subsystem.symplectic) == pytest.approx(exact, abs=3e-3)
 
 
 @pytest.mark.kernel

@@ -314,7 +314,7 @@ def test_blocks_that_are_stable_on_both_sides_are_spared() -> None:
         assert near
         for numbers in near:
             (number,) = numbers
-            assert scan.modes[1.5][number].block.K[0, 0] == pytest.approx(size)
+            assert scan.modes[1.5][number].subsystem.K[0, 0] == pytest.approx(size)
 
 
 def test_a_region_about_as_wide_as_the_columns_are_apart_has_one_at_its_resonance(

@@ -16,7 +16,7 @@ from threadpoolctl import threadpool_info, threadpool_limits
 from tqdm import tqdm
 
 from floquet import StabilityChart, stability_chart, trace_regions
-from floquet.chart.checkpoint import BlockStore
+from floquet.chart.checkpoint import TileStore
 from floquet.running.parallel import WAVE, gather, spread
 from floquet.running.threads import single_blas_thread
 from periodic.examples import coupled_mathieu
@@ -47,7 +47,7 @@ def test_every_backend_gives_the_same_bits(alone: StabilityChart, backend: str, 
     with joblib.parallel_config(backend=backend, n_jobs=2):
         assert _same(alone, _chart(n_jobs=None))
         assert _same(alone, _chart(n_jobs=2, cache=tmp_path))
-    assert len(list(tmp_path.glob("*.block"))) == -(-OMEGA.size // 8)
+    assert len(list(tmp_path.glob("*.tile"))) == -(-OMEGA.size // 8)
 
 
 def test_regions_are_traced_by_processes_too() -> None:
@@ -152,13 +152,13 @@ def test_dask_workers_that_die_change_no_bit(
     with joblib.parallel_config(backend="dask", client=client):
         assert _same(alone, _chart(n_jobs=None))
         alive = sorted(client.run(os.getpid).values())
-        save = BlockStore.save
+        save = TileStore.save
 
-        def save_and_kill(self: BlockStore, path: Path, block: Any) -> None:
+        def save_and_kill(self: TileStore, path: Path, block: Any) -> None:
             save(self, path, block)
             if alive:  # in mid-run: one of twelve blocks has arrived, then two; nannies start new workers
                 os.kill(alive.pop(), signal.SIGKILL)
 
-        monkeypatch.setattr(BlockStore, "save", save_and_kill)
+        monkeypatch.setattr(TileStore, "save", save_and_kill)
         assert _same(alone, _chart(n_jobs=None, cache=tmp_path))
     assert not alive

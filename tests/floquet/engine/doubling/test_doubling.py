@@ -14,7 +14,7 @@ from scipy.special import iv
 import floquet.engine.doubling.sampling
 from floquet import monodromy
 from floquet.engine.column import STEP_ROUNDINGS
-from floquet.engine.coordinates import blocks, equations
+from floquet.engine.coordinates import equations, subsystems
 from floquet.engine.doubling.doubling import doublings, unit_scale
 from floquet.engine.doubling.interpolation import chebyshev_points, chebyshev_weights, degree, trigonometric_weights
 from floquet.engine.doubling.sampling import Sampler, Workspace
@@ -26,14 +26,14 @@ from tests.floquet.oracle_systems import random_system
 some = settings(max_examples=20, deadline=None)
 
 
-def steps(block, Omega, eps, N, phases=None):
-    """The single steps of a block at ``phases`` (default: all N) phases, and amplitude ``eps``."""
-    free = equations(block, 0.01)
+def steps(subsystem, Omega, eps, N, phases=None):
+    """The single steps of a subsystem at ``phases`` (default: all N) phases, and amplitude ``eps``."""
+    free = equations(subsystem, 0.01)
     size = len(free.A)
     theta = 2 * np.pi * np.arange(phases or N) / (phases or N)
     P = np.empty((len(theta), size, size))
     h = 2 * np.pi / Omega / N
-    single_steps(free.A, block.Fc, block.Fs, free.left, free.right, h, theta, np.full(len(theta), eps), P)
+    single_steps(free.A, subsystem.Fc, subsystem.Fs, free.left, free.right, h, theta, np.full(len(theta), eps), P)
     return P
 
 
@@ -45,9 +45,9 @@ def ordered(factors):
     return total
 
 
-def sampled(block, Omega, eps, L, tolerance=TOLERANCE):
-    """Monodromy matrices of a block at ``eps`` from the panels of a `Sampler`."""
-    sampler = Sampler(block, equations(block, 0.01), Omega, Workspace())
+def sampled(subsystem, Omega, eps, L, tolerance=TOLERANCE):
+    """Monodromy matrices of a subsystem at ``eps`` from the panels of a `Sampler`."""
+    sampler = Sampler(subsystem, equations(subsystem, 0.01), Omega, Workspace())
     return sampler.matrices(np.asarray(eps), L, tolerance)
 
 
@@ -64,32 +64,32 @@ def test_exponential(size):
 
 @pytest.mark.kernel
 def test_a_step_without_excitation_is_exact():
-    block = blocks(random_system(1, 3, damping=0.3))[0]
-    step = steps(block, 2.0, 0.0, 8, 1)[0]
-    assert step == pytest.approx(sla.expm(equations(block, 0.01).A * 2 * np.pi / 2.0 / 8), abs=1e-13)
+    subsystem = subsystems(random_system(1, 3, damping=0.3))[0]
+    step = steps(subsystem, 2.0, 0.0, 8, 1)[0]
+    assert step == pytest.approx(sla.expm(equations(subsystem, 0.01).A * 2 * np.pi / 2.0 / 8), abs=1e-13)
 
 
 def test_steps_keep_the_volume_of_liouville():
     # det of a kick is 1, so that det P = exp(-h tr C) for every step
-    block = blocks(random_system(2, 3, 2, damping=0.5))[0]
-    expected = math.exp(-np.trace(block.C) * 2 * np.pi / 1.3 / 16)
-    for step in steps(block, 1.3, 0.8, 16):
+    subsystem = subsystems(random_system(2, 3, 2, damping=0.5))[0]
+    expected = math.exp(-np.trace(subsystem.C) * 2 * np.pi / 1.3 / 16)
+    for step in steps(subsystem, 1.3, 0.8, 16):
         assert np.linalg.det(step) == pytest.approx(expected, rel=1e-13)
 
 
 def test_steps_are_symplectic():
-    block = blocks(random_system(3, 4, 2))[0]
-    assert block.symplectic
-    b = len(block.K)
+    subsystem = subsystems(random_system(3, 4, 2))[0]
+    assert subsystem.symplectic
+    b = len(subsystem.K)
     J = np.block([[np.zeros((b, b)), np.eye(b)], [-np.eye(b), np.zeros((b, b))]])
-    for step in steps(block, 1.3, 0.8, 16):
+    for step in steps(subsystem, 1.3, 0.8, 16):
         assert step.T @ J @ step == pytest.approx(J, abs=1e-13 * np.linalg.norm(step) ** 2)
 
 
 def trace_error(system, Omega, eps, N):
     """Error of the sum of the multipliers; smooth in h and eps also where multipliers coalesce."""
-    block = blocks(system)[0]
-    return abs(np.trace(ordered(steps(block, Omega, eps, N))) - np.trace(monodromy(system, Omega, eps).matrix))
+    subsystem = subsystems(system)[0]
+    return abs(np.trace(ordered(steps(subsystem, Omega, eps, N))) - np.trace(monodromy(system, Omega, eps).matrix))
 
 
 @pytest.mark.parametrize("seed", [11, 12])
@@ -233,10 +233,10 @@ def test_growth_is_rounded_up():
 def test_doubling_is_the_ordered_product(seed, n, harmonics, damped, Omega):
     system = random_system(seed, n, harmonics, damping=0.2 * damped)
     eps, L = np.linspace(-0.4, 1.0, 40), 7
-    for block in blocks(system):
-        found = sampled(block, Omega, eps, L)
+    for subsystem in subsystems(system):
+        found = sampled(subsystem, Omega, eps, L)
         for i in (0, 11, 39):
-            expected = ordered(steps(block, Omega, eps[i], 2**L))
+            expected = ordered(steps(subsystem, Omega, eps[i], 2**L))
             # 2^L roundings, magnified by the growth that panels are allowed, and the interpolation
             assert np.linalg.norm(found[i] - expected) < 1e-10 * np.linalg.norm(expected)
 
@@ -253,11 +253,11 @@ def test_doubling_a_single_phase():
 @pytest.mark.parametrize("entries", [2**22, 300, 40])
 def test_little_memory_changes_nothing(monkeypatch, entries):
     # with room for a few matrices only, cells are done one by one, and the end of the period factor by factor
-    block = blocks(mathieu(1.0, 0.01))[0]
+    subsystem = subsystems(mathieu(1.0, 0.01))[0]
     eps = np.linspace(0.0, 3.0, 5)
     monkeypatch.setattr(floquet.engine.doubling.sampling, "MOST_ENTRIES", entries)
-    found = sampled(block, 0.1, eps, 10)
-    expected = [ordered(steps(block, 0.1, e, 2**10)) for e in eps]
+    found = sampled(subsystem, 0.1, eps, 10)
+    expected = [ordered(steps(subsystem, 0.1, e, 2**10)) for e in eps]
     for one, other in zip(found, expected, strict=True):
         assert np.linalg.norm(one - other) < 1e-11 * np.linalg.norm(other)
 
@@ -286,8 +286,8 @@ def interpolations(plan):
 
 def test_growth_beyond_the_largest_float():
     # a saddle: log|mu| = sqrt(k) T = 2000 pi, hundreds of decimal orders more than a float holds
-    block = blocks(mathieu(-1.0))[0]
-    (panel,) = Sampler(block, equations(block, 0.01), 1e-3, Workspace()).panels(np.array([0.0]), 16, TOLERANCE)
+    subsystem = subsystems(mathieu(-1.0))[0]
+    (panel,) = Sampler(subsystem, equations(subsystem, 0.01), 1e-3, Workspace()).panels(np.array([0.0]), 16, TOLERANCE)
     mu = np.abs(np.linalg.eigvals(panel.samples[0])).max()
     assert np.log(mu) + panel.scale.exponents[0] * math.log(2) == pytest.approx(2000 * math.pi, rel=1e-10)
 

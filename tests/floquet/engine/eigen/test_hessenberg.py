@@ -67,14 +67,14 @@ def test_awkward_matrices_share_a_group():
     n = 6
     rng = np.random.default_rng(3)
     cycle = np.roll(np.eye(n), 1, axis=0)  # Francis shifts do nothing here: needs the exceptional ones
-    blocks = np.kron(np.eye(3), [[0.0, 1.0], [-1.0, 0.0]])
+    subsystems = np.kron(np.eye(3), [[0.0, 1.0], [-1.0, 0.0]])
     graded = rng.standard_normal((n, n)) * 10.0 ** -np.add.outer(np.arange(n), np.arange(n))
     matrices = np.array(
         [
             np.eye(n),
             np.zeros((n, n)),
             cycle,
-            blocks,
+            subsystems,
             np.triu(rng.standard_normal((n, n))),
             np.diag(np.arange(n) / n),
             rng.standard_normal((n, n)),
