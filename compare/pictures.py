@@ -172,7 +172,7 @@ def region_panels(layers: Sequence[Layer], *, title: str = "") -> Figure:
 
 def _region(curve: TransitionCurve) -> tuple[frozenset[int], int, str]:
     """Return what tells one region of a system from another."""
-    return frozenset((curve.p, curve.q)), curve.j, curve.kind
+    return frozenset((curve.p, curve.q)), curve.j, curve.type
 
 
 def variant_panels(layers: Sequence[Layer], *, title: str = "") -> Figure:

@@ -40,7 +40,7 @@ class RegionAgreement:
 
     Attributes
     ----------
-    label, kind : str
+    label, type : str
         Name of the resonance ("ω₁+ω₃") and its type ("sum" or "difference").
     p, q, j : int
         Modes (from 1) and harmonic: j Omega = omega_p ± omega_q.
@@ -64,7 +64,7 @@ class RegionAgreement:
     """
 
     label: str
-    kind: str
+    type: str
     p: int
     q: int
     j: int
@@ -90,7 +90,7 @@ def agreement(
     eps: ArrayLike = DEFAULT_LADDER,
     *,
     order: Literal[1, 2] = 1,
-    kinds: tuple[str, ...] = ("sum", "difference"),
+    types: tuple[str, ...] = ("sum", "difference"),
     modes: int | None = None,
     n_jobs: int | None = -1,
     progress: bool = False,
@@ -107,7 +107,7 @@ def agreement(
         Ladder, increasing, at least three positive values; rungs that double give the cleanest order.
     order : 1 or 2
         Order of the theory; the gap is expected to be O(eps^(order + 1)).
-    kinds : tuple of str
+    types : tuple of str
         Types of resonance to judge. Regions that the theory predicts closed are judged too: integration must find
         no instability there.
     modes : int, optional
@@ -138,7 +138,7 @@ def agreement(
         whole_number("modes", modes, least=1)
 
     rungs = [_DampingScaled(family, value / ladder[-1]) for value in ladder]
-    predictions = [_select(transition_curves(rung, window, order=order, kinds=kinds), modes) for rung in rungs]
+    predictions = [_select(transition_curves(rung, window, order=order, types=types), modes) for rung in rungs]
     regions = sorted(predictions[-1], key=lambda key: predictions[-1][key].centre)
     tasks = [(rungs, [curves[key] for curves in predictions], ladder, order) for key in regions]
     with tqdm(desc="boundaries", total=len(tasks), unit="region", disable=not progress) as bar:
@@ -168,7 +168,7 @@ class _DampingScaled:
 
 def _select(curves: list[TransitionCurve], modes: int | None) -> dict[tuple[Any, ...], TransitionCurve]:
     return {
-        (curve.p, curve.q, curve.j, curve.kind): curve
+        (curve.p, curve.q, curve.j, curve.type): curve
         for curve in curves
         if modes is None or max(curve.p, curve.q) <= modes
     }
@@ -189,7 +189,7 @@ def _judge(rungs: list[_DampingScaled], curves: list[TransitionCurve], eps: Floa
         agrees, reason = _verdict(eps, analytic, traced, fitted, order, RESOLUTION * last.centre)
     return RegionAgreement(
         label=last.label,
-        kind=last.kind,
+        type=last.type,
         p=last.p,
         q=last.q,
         j=last.j,
@@ -210,7 +210,7 @@ def traced_curve(family: SystemFamily, curve: TransitionCurve, eps: ArrayLike) -
     """Return the region of a transition curve by integration; None where damping moves its frequencies so far that they
     do not belong to the curve any more."""
     try:
-        return trace_boundary(family, curve.centre, eps, kind=curve.kind, j=curve.j)
+        return trace_boundary(family, curve.centre, eps, type=curve.type, j=curve.j)
     except NoResonanceError:
         return None
 

@@ -49,7 +49,7 @@ def mathieu(delta: float = 1.0, damping: float = 0.0) -> PeriodicSystem:
 
 
 def coupled_mathieu(
-    kind: str = "sum",
+    type: str = "sum",
     frequencies: ArrayLike = (1.0, 1.7),
     coupling: float = 1.0,
     damping: ArrayLike = (0.0, 0.0),
@@ -61,7 +61,7 @@ def coupled_mathieu(
 
     Parameters
     ----------
-    kind : {"sum", "difference"}
+    type : {"sum", "difference"}
         Type of the one first-order region that is open.
     frequencies : array_like, shape (2,)
         omega1, omega2, positive.
@@ -78,7 +78,7 @@ def coupled_mathieu(
     Raises
     ------
     ValueError
-        If an argument has the wrong type, shape or sign, or ``kind`` is unknown.
+        If an argument has the wrong type, shape or sign, or ``type`` is unknown.
 
     Notes
     -----
@@ -89,7 +89,7 @@ def coupled_mathieu(
     (d1 + d2) / (2 sqrt(d1 d2)). "difference" is the same about |omega1 - omega2|. With equal frequencies and damping
     "sum" is exactly two Mathieu equations, for x1 + x2 and x1 - x2.
     """
-    one_of("kind", kind, ("sum", "difference"))
+    one_of("type", type, ("sum", "difference"))
     omega = _pair("frequencies", frequencies)
     if (omega <= 0).any():
         raise ValueError(f"frequencies = {omega.tolist()} must be positive; give two numbers > 0")
@@ -97,7 +97,7 @@ def coupled_mathieu(
     d = _pair("damping", damping)
     if (d < 0).any():
         raise ValueError(f"damping = {d.tolist()} must not be negative; give two numbers >= 0")
-    sign = 1.0 if kind == "sum" else -1.0
+    sign = 1.0 if type == "sum" else -1.0
     return PeriodicSystem(
         mass=np.eye(2),
         gyroscopic=np.zeros((2, 2)),

@@ -42,11 +42,11 @@ def amplitude(system: PeriodicSystem, j: int) -> ComplexArray:
     return system.cosine[j - 1] - 1j * system.sine[j - 1]
 
 
-def closed_form(modes: GyroscopicModes, E: ComplexArray, kind: str) -> Coupling:
+def closed_form(modes: GyroscopicModes, E: ComplexArray, type: str) -> Coupling:
     """Return the couplings in terms of the displacement vectors w_n."""
-    sign = 1 if kind == "sum" else -1
+    sign = 1 if type == "sum" else -1
     w = modes.vectors
-    partner = w.conj() if kind == "sum" else w
+    partner = w.conj() if type == "sum" else w
     forward = 0.5j * modes.frequencies[:, None] * projection(w, E, partner)
     if is_symmetric(E):
         # w_q^T conj(E) w_p = conj(w_p^H E conj(w_q)): L comes out real without rounding
@@ -56,14 +56,14 @@ def closed_form(modes: GyroscopicModes, E: ComplexArray, kind: str) -> Coupling:
     return Coupling(forward, sign * modes.frequencies * back)
 
 
-def products(modes: GyroscopicModes, E: ComplexArray, kind: str) -> ComplexArray:
+def products(modes: GyroscopicModes, E: ComplexArray, type: str) -> ComplexArray:
     """Return L for every pair, shape (n, n), with an imaginary part of exactly zero wherever L is real."""
-    forward, backward = closed_form(modes, E, kind)
+    forward, backward = closed_form(modes, E, type)
     L = forward * backward
     return np.where(is_symmetric(E) | (np.abs(L.imag) <= IMAGINARY * np.abs(L)), L.real, L)
 
 
-def block_form(blocks: ModalBlocks, j: int, kind: str) -> Coupling:
+def block_form(blocks: ModalBlocks, j: int, type: str) -> Coupling:
     """Return the couplings in terms of the 2 x 2 blocks of eq. (18), as the paper has them.
 
     Sums: eqs. (26b), (26c). Differences: eq. (28a), and eq. (28b) with - g^11 in place of its first - g^12.
@@ -71,7 +71,7 @@ def block_form(blocks: ModalBlocks, j: int, kind: str) -> Coupling:
     g, h = blocks.G[j - 1], blocks.H[j - 1]
     g11, g12, g21, g22 = (g[..., r, s] for r in (0, 1) for s in (0, 1))
     h11, h12, h21, h22 = (h[..., r, s] for r in (0, 1) for s in (0, 1))
-    if kind == "sum":
+    if type == "sum":
         forward = 0.5 * (h21 - 1j * h22 + 1j * g21 + g22 + 1j * h11 + h12 - g11 + 1j * g12)  # eq. (26b)
         backward = 0.5 * (h21 + 1j * h22 - 1j * g21 + g22 - 1j * h11 + h12 - g11 - 1j * g12)  # eq. (26c)
     else:

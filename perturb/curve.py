@@ -47,7 +47,7 @@ class TransitionCurve:
     j : int
         Multiple of the excitation frequency that is in resonance. Second order also has j up to twice the number of
         harmonics, through j = j1 + j2.
-    kind : {"sum", "difference"}
+    type : {"sum", "difference"}
     order : {1, 2}
         Order in eps of the theory.
     interaction : {1, 2}
@@ -62,7 +62,7 @@ class TransitionCurve:
     p: int
     q: int
     j: int
-    kind: str
+    type: str
     order: int
     interaction: int
     centre: float
@@ -89,7 +89,7 @@ class TransitionCurve:
         if self.p == self.q:
             name = f"2{p}"
         else:
-            total = f"{q}+{p}" if self.kind == "sum" else f"{p}−{q}"
+            total = f"{q}+{p}" if self.type == "sum" else f"{p}−{q}"
             name = total if self.j == 1 else f"({total})"
         if self.j > 1:
             name = f"{name}/{self.j}"

@@ -17,7 +17,7 @@ class FirstOrder:
 
     Attributes
     ----------
-    kind : {"sum", "difference"}
+    type : {"sum", "difference"}
     L : ndarray, shape (), complex
         Lambda_pq conj(Lambda_qp).
     C_p, C_q : ndarray, shape ()
@@ -26,7 +26,7 @@ class FirstOrder:
         Proportion in which the damping has vanished, for the literal eq. (25) at c = 0.
     """
 
-    kind: str
+    type: str
     L: ComplexArray
     C_p: FloatArray
     C_q: FloatArray
@@ -46,7 +46,7 @@ class FirstOrder:
             low, high = pair_edges_vanishing(*self.vanishing, L)
         else:
             low, high = pair_edges(self.C_p, self.C_q, L)
-        uncoupled = (L == 0) & (self.kind == "difference")
+        uncoupled = (L == 0) & (self.type == "difference")
         return np.where(uncoupled, np.nan, low), np.where(uncoupled, np.nan, high)
 
     def growth(self, s: FloatArray, eps: FloatArray) -> FloatArray:

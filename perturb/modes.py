@@ -104,8 +104,8 @@ def gyroscopic_modes(system: PeriodicSystem) -> GyroscopicModes:
         If ``system`` is no PeriodicSystem, or its stiffness is not symmetric or not positive definite.
     """
     if not isinstance(system, PeriodicSystem):
-        kind = type(system).__name__
-        raise ValueError(f"system is of type {kind}; give a PeriodicSystem (of a family, family.at(Omega))")
+        given = type(system).__name__
+        raise ValueError(f"system is of type {given}; give a PeriodicSystem (of a family, family.at(Omega))")
     M, G, K = system.mass, system.gyroscopic, _checked_stiffness(system.stiffness)
     n = system.size
     L_M, L_K = np.linalg.cholesky(M), np.linalg.cholesky(K)

@@ -46,9 +46,9 @@ class Expansion:
         self.modes = modes
         self._latest: tuple[PeriodicSystem, ModalCouplings] | None = None
 
-    def block(self, p: int, q: int, j: int, kind: str, centre: float, order: int) -> EffectiveBlock:
+    def block(self, p: int, q: int, j: int, type: str, centre: float, order: int) -> EffectiveBlock:
         """Return the effective matrix of j Omega = omega_p ± omega_q (p, q from 0)."""
-        pair = [(p, 0), (q + len(self.modes.frequencies) if kind == "sum" else q, -j)]
+        pair = [(p, 0), (q + len(self.modes.frequencies) if type == "sum" else q, -j)]
         couplings = self._couplings(self.family.at(centre))
         if order == 1:
             return effective_block(couplings, pair, centre, order)
@@ -80,7 +80,7 @@ class CoupledStates:
     expansion : Expansion
     p, q, j : int
         p and q from 0.
-    kind : {"sum", "difference"}
+    type : {"sum", "difference"}
     centre : float
     order : {1, 2}
     first : Resonance
@@ -91,14 +91,14 @@ class CoupledStates:
     p: int
     q: int
     j: int
-    kind: str
+    type: str
     centre: float
     order: int
     first: Resonance
 
     @cached_property
     def block(self) -> EffectiveBlock:
-        return self.expansion.block(self.p, self.q, self.j, self.kind, self.centre, self.order)
+        return self.expansion.block(self.p, self.q, self.j, self.type, self.centre, self.order)
 
     @property
     def slope(self) -> float:
@@ -148,13 +148,13 @@ class CoupledStates:
         """Return the edges for the excitation as it is at the detunings ``s``."""
         C_p, C_q, L, shift = self._pair(np.where(np.isfinite(s), s, 0), eps)
         low, high = pair_edges(C_p, C_q, L)
-        uncoupled = (L == 0) & (self.kind == "difference")
+        uncoupled = (L == 0) & (self.type == "difference")
         return np.where(uncoupled, np.nan, low + shift), np.where(uncoupled, np.nan, high + shift)
 
     @property
     def _never_open(self) -> bool:
         """Modes of equal energy sign cannot destabilise each other in a conservative system."""
-        return self.kind == "difference" and self.block.conservative
+        return self.type == "difference" and self.block.conservative
 
     def _is_open(self, eps: float) -> bool:
         if self._never_open:

@@ -17,7 +17,7 @@ from perturb.first_order import FirstOrder
 from perturb.modes import REPEATED, ComplexArray, GyroscopicModes, gyroscopic_modes
 from perturb.second_order import CoupledStates, Expansion, same_excitation
 
-KINDS = ("sum", "difference")
+TYPES = ("sum", "difference")
 
 
 class Resonances(NamedTuple):
@@ -26,11 +26,11 @@ class Resonances(NamedTuple):
     p: NDArray[np.intp]  # from 0, as q
     q: NDArray[np.intp]
     j: NDArray[np.intp]
-    kind: NDArray[np.str_]
+    type: NDArray[np.str_]
     centre: FloatArray
 
     def rows(self) -> Iterator[tuple[int, int, int, str, float]]:
-        """Return (p, q, j, kind, centre) of one resonance after the other."""
+        """Return (p, q, j, type, centre) of one resonance after the other."""
         return zip(*(column.tolist() for column in self), strict=True)
 
 
@@ -38,7 +38,7 @@ def transition_curves(
     family: SystemFamily,
     Omega_range: tuple[float, float],
     order: int = 1,
-    kinds: Sequence[str] = KINDS,
+    types: Sequence[str] = TYPES,
     *,
     vanishing_damping: ArrayLike | None = None,
 ) -> list[TransitionCurve]:
@@ -58,7 +58,7 @@ def transition_curves(
         Excitation frequencies, 0 <= low < high.
     order : {1, 2}
         Order of the theory in eps.
-    kinds : sequence of {"sum", "difference"}
+    types : sequence of {"sum", "difference"}
         j Omega = omega_p + omega_q, j Omega = omega_p - omega_q.
     vanishing_damping : array_like, shape (n, n), optional
         Shape D of a damping matrix c D whose c -> 0: gives the literal eqs. (25), (27) at c = 0, whose edges lie
@@ -88,7 +88,7 @@ def transition_curves(
     """
     low, high = interval("Omega_range", Omega_range, nonnegative=True)
     order = whole_number("order", order, least=1, most=2)
-    kinds = _checked_kinds(kinds)
+    types = _checked_types(types)
     system = _system_at(family, high)
     modes = gyroscopic_modes(system)
     if (modes.decay < 0).any():
@@ -102,24 +102,24 @@ def transition_curves(
     multiples = set(range(1, system.harmonics + 1))
     if order == 2:
         multiples |= {a + b for a in direct for b in direct}
-    found = find_resonances(modes, sorted(multiples), (low, high), kinds)
+    found = find_resonances(modes, sorted(multiples), (low, high), types)
     L = _products_at_centres(family, modes, found)
     expansion, repeated = Expansion(family, modes), modes.repeated.tolist()
     curves = []
-    for (p, q, j, kind, centre), value in zip(found.rows(), L, strict=True):
+    for (p, q, j, type, centre), value in zip(found.rows(), L, strict=True):
         vanishing = None if proportion is None else (proportion[p], proportion[q])
-        resonance: Resonance = FirstOrder(kind, value, modes.decay[p], modes.decay[q], vanishing)
+        resonance: Resonance = FirstOrder(type, value, modes.decay[p], modes.decay[q], vanishing)
         if (repeated[p] or repeated[q]) and vanishing is None:
-            resonance = CoupledStates(expansion, p, q, j, kind, centre, 1, resonance)
+            resonance = CoupledStates(expansion, p, q, j, type, centre, 1, resonance)
         if order == 2:
-            resonance = CoupledStates(expansion, p, q, j, kind, centre, 2, resonance)
+            resonance = CoupledStates(expansion, p, q, j, type, centre, 2, resonance)
         interaction = 1 if order == 1 or j in direct else 2
-        curves.append(TransitionCurve(p + 1, q + 1, j, kind, order, interaction, centre, resonance))
+        curves.append(TransitionCurve(p + 1, q + 1, j, type, order, interaction, centre, resonance))
     return curves
 
 
 def find_resonances(
-    modes: GyroscopicModes, multiples: Sequence[int], Omega_range: tuple[float, float], kinds: Sequence[str]
+    modes: GyroscopicModes, multiples: Sequence[int], Omega_range: tuple[float, float], types: Sequence[str]
 ) -> Resonances:
     """Return all p >= q, j in ``multiples`` with (omega_p ± omega_q) / j in the range, by increasing centre.
 
@@ -127,14 +127,14 @@ def find_resonances(
     """
     omega = modes.frequencies
     p, q = np.tril_indices(len(omega))
-    sign = np.array([1 if kind == "sum" else -1 for kind in kinds])
+    sign = np.array([1 if type == "sum" else -1 for type in types])
     total = omega[p] + sign[:, None] * omega[q]
-    centre = total[:, None] / np.array(multiples)[:, None]  # [kind, j, pair]
+    centre = total[:, None] / np.array(multiples)[:, None]  # [type, j, pair]
     total = np.broadcast_to(total[:, None], centre.shape)
     wanted = (total > REPEATED * omega[-1]) & (centre >= Omega_range[0]) & (centre <= Omega_range[1])
     by_centre = np.argsort(centre[wanted], kind="stable")
-    of_kind, of_j, pair = (index[by_centre] for index in np.nonzero(wanted))
-    return Resonances(p[pair], q[pair], np.array(multiples)[of_j], np.array(kinds)[of_kind], centre[wanted][by_centre])
+    of_type, of_j, pair = (index[by_centre] for index in np.nonzero(wanted))
+    return Resonances(p[pair], q[pair], np.array(multiples)[of_j], np.array(types)[of_type], centre[wanted][by_centre])
 
 
 def _products_at_centres(family: SystemFamily, modes: GyroscopicModes, found: Resonances) -> ComplexArray:
@@ -142,10 +142,10 @@ def _products_at_centres(family: SystemFamily, modes: GyroscopicModes, found: Re
     L = np.zeros(len(found.p), dtype=complex)
     for run, system in _shared_systems(family, found.centre):
         for j in range(1, system.harmonics + 1):
-            for kind in KINDS:
-                chosen = run[(found.j[run] == j) & (found.kind[run] == kind)]
+            for type in TYPES:
+                chosen = run[(found.j[run] == j) & (found.type[run] == type)]
                 if len(chosen):
-                    L[chosen] = products(modes, amplitude(system, j), kind)[found.p[chosen], found.q[chosen]]
+                    L[chosen] = products(modes, amplitude(system, j), type)[found.p[chosen], found.q[chosen]]
     return L
 
 
@@ -162,20 +162,20 @@ def _shared_systems(family: SystemFamily, centres: FloatArray) -> Iterator[tuple
         yield np.arange(start, len(centres)), shared
 
 
-def _checked_kinds(kinds: Any) -> tuple[str, ...]:
-    if isinstance(kinds, str) or not hasattr(kinds, "__iter__"):
-        raise ValueError(f"kinds = {kinds!r} is not a sequence; give some of {KINDS}")
-    names = tuple(one_of("kinds", kind, KINDS) for kind in kinds)
+def _checked_types(types: Any) -> tuple[str, ...]:
+    if isinstance(types, str) or not hasattr(types, "__iter__"):
+        raise ValueError(f"types = {types!r} is not a sequence; give some of {TYPES}")
+    names = tuple(one_of("types", type, TYPES) for type in types)
     if not names or len(set(names)) < len(names):
-        raise ValueError(f"kinds = {kinds!r} is empty or repeats itself; give some of {KINDS}")
+        raise ValueError(f"types = {types!r} is empty or repeats itself; give some of {TYPES}")
     return names
 
 
 def _system_at(family: Any, Omega: float) -> PeriodicSystem:
     if not callable(getattr(family, "at", None)):
-        kind = type(family).__name__
+        given = type(family).__name__
         raise ValueError(
-            f"family is of type {kind} without a method at(Omega); give a PeriodicSystem or a SystemFamily"
+            f"family is of type {given} without a method at(Omega); give a PeriodicSystem or a SystemFamily"
         )
     system = family.at(Omega)
     if not isinstance(system, PeriodicSystem):

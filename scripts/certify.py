@@ -33,7 +33,7 @@ EPILOG = """\
 examples:
   scripts/certify.py --example mathieu --at 1.9,0.3
   scripts/certify.py --example mathieu --set delta=2.5 --set damping=0.01 --at 3.1,0.4 --at 3.2,0.4
-  scripts/certify.py --example coupled --set kind=difference --set frequencies=1,1.7 --at 0.7,0.5
+  scripts/certify.py --example coupled --set type=difference --set frequencies=1,1.7 --at 0.7,0.5
   scripts/certify.py --case cases/fig2.toml --at 18.6,0.3
   scripts/certify.py --case cases/fig2.toml --terms 3,2 --at 18.6,0.3
   scripts/certify.py --system mine.npz --at 4.2,0.1

@@ -61,7 +61,7 @@ class Region:
     def trace(self) -> BoundaryTrace:
         """The edges by integration."""
         curve = self.curve
-        return trace_boundary(self.plate, curve.centre, np.array([self.eps]), kind=curve.kind, j=curve.j)
+        return trace_boundary(self.plate, curve.centre, np.array([self.eps]), type=curve.type, j=curve.j)
 
     @property
     def is_open(self) -> bool:
@@ -156,7 +156,7 @@ def regions(
     eps: float,
     *,
     modes: int,
-    kind: Literal["sum", "difference"] = "sum",
+    type: Literal["sum", "difference"] = "sum",
     order: Literal[1, 2] = 1,
     interaction: Literal[1, 2] = 1,
 ) -> dict[tuple[int, int], Region]:
@@ -168,7 +168,7 @@ def regions(
     others = _curves(plate, modes, "sum", order)
     return {
         (curve.q, curve.p): Region(system, plate, curve, eps, _stands_alone(curve, others, eps))
-        for curve in _curves(plate, modes, kind, order)
+        for curve in _curves(plate, modes, type, order)
         if max(curve.p, curve.q) <= modes and (curve.j, curve.interaction) == (interaction, interaction)
     }
 
@@ -187,7 +187,7 @@ def _stands_alone(curve: TransitionCurve, others: Sequence[TransitionCurve], eps
 
 
 @lru_cache(maxsize=1024)
-def _curves(plate: MovingPlate, modes: int, kind: str, order: Literal[1, 2]) -> list[TransitionCurve]:
+def _curves(plate: MovingPlate, modes: int, type: str, order: Literal[1, 2]) -> list[TransitionCurve]:
     """Return the curves of a plate, kept since many claims look at the same plates."""
     highest = float(gyroscopic_modes(plate.at(0.0)).frequencies[modes - 1])
-    return transition_curves(plate, (0.0, 2.001 * highest), order, (kind,))
+    return transition_curves(plate, (0.0, 2.001 * highest), order, (type,))

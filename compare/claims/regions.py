@@ -24,7 +24,7 @@ def no_difference_regions(study: ClaimRange) -> ClaimVerdict:
     loads = symmetric_loads(study) | skew_loads()
 
     def of(group: str, name: str, plate: MovingPlate) -> list[Finding]:
-        found = regions(name, plate, study.eps, modes=study.modes, kind="difference")
+        found = regions(name, plate, study.eps, modes=study.modes, type="difference")
         return [Finding(group, width(region), NO_WIDTH) for region in found.values()]
 
     findings = [

@@ -7,7 +7,7 @@ from math import ceil, log10
 
 from compare.explorer.outlines import LEVELS
 from floquet import Region
-from floquet.regions.naming import Name
+from floquet.boundary.resonance import Resonance
 from floquet.regions.outlines import largest_width
 
 # At large eps there are a hundred regions, most of them narrower than a line of the picture: these many fit a screen.
@@ -43,7 +43,7 @@ def region_lines(regions: Sequence[Region], eps_max: float, file: str) -> list[s
     return lines
 
 
-def _by_order(region: Region) -> list[Name]:
+def _by_order(region: Region) -> list[Resonance]:
     return sorted(region.resonances, key=lambda name: name.j)
 
 

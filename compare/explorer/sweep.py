@@ -186,7 +186,7 @@ def _curves(family: MovingPlate, pairs: Sequence[tuple[int, int]], order: int) -
     if most > frequencies.size:
         raise ValueError(f"regions ask for mode {most}; the plate has {frequencies.size} modes")
     window = (frequencies[0], 2.0 * frequencies[most - 1] * (1 + 1e-9))
-    curves = transition_curves(family, window, order=order, kinds=("sum",))
+    curves = transition_curves(family, window, order=order, types=("sum",))
     by_modes = {(curve.p, curve.q): curve for curve in curves if curve.j == 1}
     return [by_modes[pair] for pair in pairs]
 

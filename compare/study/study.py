@@ -89,7 +89,7 @@ class Subject:
             widest = sorted((curve for curve in inside if widths[curve] > 0), key=lambda curve: -widths[curve])
             return sorted(widest[:MOST_PANELS], key=lambda curve: curve.centre)
         wanted = [{*pair} for pair in self.pairs]
-        shown = [curve for curve in curves if curve.kind == "sum" and curve.j == 1 and {curve.p, curve.q} in wanted]
+        shown = [curve for curve in curves if curve.type == "sum" and curve.j == 1 and {curve.p, curve.q} in wanted]
         return sorted(shown, key=lambda curve: wanted.index({curve.p, curve.q}))
 
 

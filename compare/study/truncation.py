@@ -58,7 +58,7 @@ def _change(whole: PeriodicSystem, small: PeriodicSystem, Omega_range: tuple[flo
     """Return the largest change of an edge by second-order theory, as part of the frequency."""
     edges: list[dict[tuple[object, ...], FloatArray]] = [
         {
-            (curve.p, curve.q, curve.j, curve.kind): np.array(curve.edges(eps)) / curve.centre
+            (curve.p, curve.q, curve.j, curve.type): np.array(curve.edges(eps)) / curve.centre
             for curve in transition_curves(system, Omega_range, order=2)
         }
         for system in (whole, small)

@@ -10,7 +10,15 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
 from floquet.boundary.pair import LostError, Pair, Point
-from floquet.boundary.resonance import HIGHEST_ORDER, ORDERS, SIGNS, Resonance, nearest_resonance
+from floquet.boundary.resonance import (
+    HIGHEST_ORDER,
+    ORDERS,
+    SIGNS,
+    Modes,
+    Resonance,
+    natural_modes,
+    nearest_resonance,
+)
 from floquet.kind import Kind
 from floquet.oracle.point import is_unstable
 from periodic import SystemFamily, member_at
@@ -81,7 +89,7 @@ class BoundaryTrace:
 
 
 def trace_boundary(
-    family: SystemFamily, near: float, eps: ArrayLike, *, kind: str | None = None, j: int | None = None
+    family: SystemFamily, near: float, eps: ArrayLike, *, type: str | None = None, j: int | None = None
 ) -> BoundaryTrace:
     """Find the edges of the region of instability that starts at a resonance.
 
@@ -94,7 +102,7 @@ def trace_boundary(
         nearest is taken, with preference for low j and for sums.
     eps : array_like, shape (k,), or float
         Excitation amplitudes >= 0, in any order. What is found at one does not depend on the others.
-    kind : "sum" or "difference", optional
+    type : "sum" or "difference", optional
         Of the resonance, if only such are meant.
     j : int, optional
         Its order, if only that one is meant.
@@ -127,10 +135,11 @@ def trace_boundary(
         raise ValueError("eps is empty; give at least one amplitude")
     if amplitudes.min() < 0:
         raise ValueError(f"eps has the entry {float(amplitudes.min())!r}; give amplitudes >= 0")
-    kinds = SIGNS if kind is None else (one_of("kind", kind, tuple(SIGNS)),)
+    types = SIGNS if type is None else (one_of("type", type, tuple(SIGNS)),)
     orders = ORDERS if j is None else (whole_number("j", j, least=1, most=HIGHEST_ORDER),)
-    resonance = nearest_resonance(member_at(family, near, "family"), near, kinds, orders)
-    route = _Route(family, resonance)
+    modes = natural_modes(member_at(family, near, "family"), near)
+    resonance = nearest_resonance(modes, near, types, orders)
+    route = _Route(family, resonance, modes)
     if amplitudes.max() > MOST_STATIONS * route.spacing:
         raise ValueError(
             f"eps has the entry {float(amplitudes.max())!r}, which changes the stiffness by a factor of "
@@ -168,12 +177,12 @@ NO_EDGE = _Edge()
 class _Route:
     """One region followed from eps = 0 upwards."""
 
-    def __init__(self, family: SystemFamily, resonance: Resonance) -> None:
+    def __init__(self, family: SystemFamily, resonance: Resonance, modes: Modes) -> None:
         self.family = family
         self.resonance = resonance
-        self.pair = Pair(family, resonance)
+        self.pair = Pair(family, resonance, modes)
         self.spacing = STATION / resonance.j / self.pair.strength if self.pair.strength else np.inf
-        self.stations = [_Station(0.0, resonance.centre, resonance.solutions)]
+        self.stations = [_Station(0.0, resonance.centre, self.pair.solutions)]
 
     def edges(self, eps: float) -> tuple[Kind, tuple[_Edge, _Edge], tuple[float, float]]:
         """Return the kind of the region at ``eps``, its edges and their errors."""

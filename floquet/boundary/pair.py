@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy.linalg as sla
 
-from floquet.boundary.resonance import Resonance
+from floquet.boundary.resonance import Modes, Resonance
 from floquet.oracle.multipliers import eigensystem
 from floquet.oracle.point import period_map, propagate, steps_of_period
 from floquet.oracle.reduction import Reduction, modulation, reduce_system
@@ -53,12 +53,12 @@ class Pair:
         The point at which the two multipliers meet if both belong to one mode, +1 or -1.
     """
 
-    def __init__(self, family: SystemFamily, resonance: Resonance) -> None:
+    def __init__(self, family: SystemFamily, resonance: Resonance, modes: Modes) -> None:
         self.family = family
-        self.resonance = resonance
+        self.solutions, self.decay = modes.solutions(resonance), modes.decay(resonance)
         self.slowest = resonance.centre / (2 * np.pi)
         subsystems = reduce_system(family.at(resonance.centre), 1.0, self.slowest)
-        first, second = (_home(subsystems, solution) for solution in resonance.solutions.T)
+        first, second = (_home(subsystems, solution) for solution in self.solutions.T)
         self.coupled = first is second
         self.strength = modulation(first.equations)
         self.lock = (-1.0) ** resonance.j if resonance.p == resonance.q else None
@@ -95,14 +95,14 @@ class Pair:
     def likeness(self, point: Point, eps: float) -> float:
         """Return the cosine of the largest angle, in energy, between the two solutions at ``point`` and at eps = 0."""
         from_q = self._subsystem(point.Omega, eps).from_q
-        return float(np.cos(sla.subspace_angles(from_q @ self.resonance.solutions, from_q @ point.solutions).max()))
+        return float(np.cos(sla.subspace_angles(from_q @ self.solutions, from_q @ point.solutions).max()))
 
     def _subsystem(self, Omega: float, eps: float) -> Reduction:
         """Return the subsystem of the pair; computed anew only if the system or eps has changed."""
         member = self.family.at(Omega)
         if self._latest is None or self._latest[0] is not member or self._latest[1] != eps:
             subsystems = reduce_system(member, eps, self.slowest)
-            self._latest = (member, eps, _home(subsystems, self.resonance.solutions[:, 0]))
+            self._latest = (member, eps, _home(subsystems, self.solutions[:, 0]))
         return self._latest[2]
 
     def _choose(self, mu: ComplexArray, inside: ComplexArray, T: float) -> list[int]:
@@ -121,7 +121,7 @@ class Pair:
             pairs = [list(pair) for pair in combinations(candidates, 2)]
             score = [abs(np.linalg.det(inside[:, pair])) for pair in pairs]
         else:
-            decay = self.resonance.decay * T
+            decay = self.decay * T
             pairs = [[first, _partner(mu, first, decay)] for first in candidates]
             score = [instability(mu[pair], self.lock, True, 0.0)[0] for pair in pairs]
         if not pairs:

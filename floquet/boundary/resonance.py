@@ -1,24 +1,26 @@
-"""Which resonance a frequency means: natural frequencies of the first-order matrix, their sums and differences."""
+"""Resonances j Omega = omega_p ± omega_q: the modes at eps = 0, their pairs, and which of them a frequency means."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
 from itertools import combinations, combinations_with_replacement
+from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg as sla
+from numpy.typing import NDArray
 
-from floquet.oracle.reduction import constant_matrix, reduce_system
+from floquet.kind import Kind
+from floquet.oracle.reduction import ROUNDING, constant_matrix, reduce_system
 from periodic import PeriodicSystem
-from periodic.checks import ComplexArray
+from periodic.checks import ComplexArray, is_positive_definite
 
 # A resonance further from `near`, relative to it, is not what was meant.
 FARTHEST = 0.05
 # j Omega = omega_p ± omega_q is looked for up to this j; higher tongues are narrower than eps^8.
 HIGHEST_ORDER = 8
 ORDERS = tuple(range(1, HIGHEST_ORDER + 1))
-SIGNS = {"sum": 1.0, "difference": -1.0}
+SIGNS = {"sum": 1, "difference": -1}
 # Of two resonances near by, the one of higher j is taken if it is this many times nearer for each step in j (the
 # tongues get narrower by a power of eps), a difference if it is this many times nearer than a sum (most are no
 # regions at all).
@@ -29,13 +31,14 @@ AGREEMENT = 1e-9
 # off by the square root of rounding.
 SLOWEST = 1e-7
 
+SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
+
 
 class NoResonanceError(ValueError):
     """No resonance is near enough to the frequency asked for."""
 
 
-@dataclass(frozen=True, eq=False)
-class Resonance:
+class Resonance(NamedTuple):
     """j Omega = omega_p + omega_q ("sum") or omega_p - omega_q ("difference") of a system at eps = 0.
 
     Attributes
@@ -44,74 +47,150 @@ class Resonance:
         Numbers of the modes by increasing frequency, from 1; p >= q.
     j : int
         Order.
-    kind : str
+    type : str
         "sum" or "difference".
     centre : float
         The frequency Omega of resonance.
-    decay : float
-        Sum of the decay rates of the two modes.
-    solutions : ndarray of complex, shape (2n, 2)
-        The two solutions that resonate, at t = 0 in (W', W): those of e^{i omega_p t} and of e^{∓ i omega_q t}.
     """
 
     p: int
     q: int
     j: int
-    kind: str
+    type: str
     centre: float
-    decay: float
-    solutions: ComplexArray
+
+    @property
+    def sign(self) -> int:
+        """1 for a sum, -1 for a difference."""
+        return SIGNS[self.type]
+
+    @property
+    def kind(self) -> Kind:
+        """How a region that starts from this resonance is unstable."""
+        if self.p != self.q:
+            return Kind.COMPLEX
+        return Kind.PLUS_ONE if self.j % 2 == 0 else Kind.MINUS_ONE
+
+    @property
+    def label(self) -> str:
+        """Name of the resonance: 2ω₁, ω₁+ω₃, ω₃−ω₁, for j > 1 2ω₁/2, (ω₁+ω₃)/2."""
+        p, q = (f"ω{n}".translate(SUBSCRIPTS) for n in (self.p, self.q))
+        if self.p == self.q:
+            name = f"2{p}"
+        else:
+            total = f"{q}+{p}" if self.type == "sum" else f"{p}−{q}"
+            name = total if self.j == 1 else f"({total})"
+        return name if self.j == 1 else f"{name}/{self.j}"
+
+
+class Modes(NamedTuple):
+    """The modes of a system at eps = 0 that oscillate, by increasing frequency.
+
+    Attributes
+    ----------
+    exponents : ndarray of complex, shape (m,)
+        i omega - decay, omega > 0.
+    vectors : ndarray of complex, shape (2n, m)
+        The modes in (W', W).
+    subsystem : ndarray of int, shape (m,)
+        Number of the subsystem of each mode: two modes of different subsystems are not coupled.
+    """
+
+    exponents: ComplexArray
+    vectors: ComplexArray
+    subsystem: NDArray[np.intp]
+
+    def decay(self, resonance: Resonance) -> float:
+        """Return the sum of the decay rates of the two modes of a resonance."""
+        return float(-self.exponents.real[[resonance.p - 1, resonance.q - 1]].sum())
+
+    def solutions(self, resonance: Resonance) -> ComplexArray:
+        """Return the two solutions that resonate, (2n, 2), at t = 0 in (W', W): those of e^{i omega_p t} and of
+        e^{∓ i omega_q t}."""
+        second = self.vectors[:, resonance.q - 1]
+        return np.column_stack([self.vectors[:, resonance.p - 1], second.conj() if resonance.sign > 0 else second])
+
+
+def natural_modes(system: PeriodicSystem, Omega: float) -> Modes:
+    """Return the modes of a system at eps = 0; ``Omega`` is the scale of frequencies in which it is looked at.
+
+    They are those of the subsystems into which the excited system splits: of two modes with equal frequency in
+    different subsystems no mixture is formed.
+    """
+    exponents, vectors, home = [], [], []
+    for number, subsystem in enumerate(reduce_system(system, 1.0, Omega / (2 * np.pi))):
+        values, columns = sla.eig(constant_matrix(subsystem.equations))
+        oscillating = values.imag > SLOWEST * np.abs(values).max()
+        exponents.append(values[oscillating])
+        vectors.append(subsystem.to_q @ columns[:, oscillating])
+        home += [number] * int(oscillating.sum())
+    exponent = np.concatenate(exponents)
+    order = np.argsort(exponent.imag)
+    return Modes(exponent[order], np.concatenate(vectors, axis=1)[:, order], np.array(home, dtype=np.intp)[order])
+
+
+def resonances(
+    modes: Modes,
+    Omega_range: tuple[float, float],
+    types: Collection[str] = SIGNS,
+    orders: Sequence[int] = ORDERS,
+    *,
+    coupled: bool = True,
+) -> list[Resonance]:
+    """Return the resonances with a centre in ``Omega_range``, by increasing order and frequency.
+
+    ``coupled``: only those of two modes of one subsystem.
+    """
+    low, high = Omega_range
+    omega, numbers = modes.exponents.imag, range(len(modes.exponents))
+    found = []
+    for type in (type for type in SIGNS if type in types):
+        pairs = (combinations_with_replacement if type == "sum" else combinations)(numbers, 2)
+        for q, p in pairs:
+            if coupled and modes.subsystem[p] != modes.subsystem[q]:
+                continue
+            total = float(omega[p] + SIGNS[type] * omega[q])
+            found += [Resonance(p + 1, q + 1, j, type, total / j) for j in orders if low <= total / j <= high]
+    return sorted(found, key=lambda one: (one.j, one.centre))
+
+
+def open_types(system: PeriodicSystem) -> tuple[str, ...]:
+    """Return the types of resonance that may open a region.
+
+    Differences open none where all stiffness is symmetric and positive definite without excitation: both modes have
+    positive energy (M. G. Krein).
+    """
+    parts = np.concatenate([system.stiffness[None], system.cosine, system.sine])
+    asymmetry = np.abs(parts - parts.transpose(0, 2, 1)).max(axis=(1, 2))
+    symmetric = bool((asymmetry <= ROUNDING * np.abs(parts).max(axis=(1, 2))).all())
+    definite = symmetric and is_positive_definite((system.stiffness + system.stiffness.T) / 2)
+    return ("sum",) if definite else ("sum", "difference")
 
 
 def nearest_resonance(
-    system: PeriodicSystem, near: float, kinds: Collection[str] = SIGNS, orders: Sequence[int] = ORDERS
+    modes: Modes, near: float, types: Collection[str] = SIGNS, orders: Sequence[int] = ORDERS
 ) -> Resonance:
-    """Return the resonance of one of the ``kinds`` and ``orders`` that ``near`` means.
+    """Return the resonance of one of the ``types`` and ``orders`` that ``near`` means.
 
     Raises
     ------
     NoResonanceError
         If there is none within 5 % of ``near``.
     """
-    exponents, vectors = _oscillations(system, near)
-    frequencies, decay = exponents.imag, -exponents.real
-    numbers = range(len(frequencies))
-    pairs = [("sum", p, q) for q, p in combinations_with_replacement(numbers, 2)]
-    pairs += [("difference", p, q) for q, p in combinations(numbers, 2)]
-    pairs = [pair for pair in pairs if pair[0] in kinds]
-    total = np.array([frequencies[p] + SIGNS[kind] * frequencies[q] for kind, p, q in pairs])
-    distance = np.abs(total[:, None] / orders / near - 1)
-    if not (distance <= FARTHEST).any():
-        named = "(omega_p " + ("±" if len(kinds) > 1 else "+" if "sum" in kinds else "-") + " omega_q) / j"
+    around = (1 - FARTHEST) * near, (1 + FARTHEST) * near
+    found = resonances(modes, around, types, orders, coupled=False)
+    if not found:
+        named = "(omega_p " + ("±" if len(types) > 1 else "+" if "sum" in types else "-") + " omega_q) / j"
         which = f"= {orders[0]}" if len(orders) == 1 else f"<= {orders[-1]}"
+        frequencies = modes.exponents.imag
         first = ", ".join(f"{f:.6g}" for f in frequencies[:4]) or "none"
         raise NoResonanceError(
             f"near = {near!r} is not within {FARTHEST:.0%} of any {named} with j {which}; "
             f"the natural frequencies are {first}{', ...' if len(frequencies) > 4 else ''}"
         )
-    handicap = PREFERENCE ** (np.array(orders) - 1.0) * np.array(
-        [[1.0 if kind == "sum" else PREFERENCE] for kind, _, _ in pairs]
-    )
-    score = np.where(distance <= FARTHEST, (distance + AGREEMENT) * handicap, np.inf)
-    row, column = divmod(int(score.argmin()), len(orders))
-    (kind, p, q), j = pairs[row], int(orders[column])
-    partner = vectors[:, q].conj() if kind == "sum" else vectors[:, q]
-    both = np.column_stack([vectors[:, p], partner])
-    return Resonance(p + 1, q + 1, j, kind, float(total[row] / j), float(decay[p] + decay[q]), both)
 
+    def score(one: Resonance) -> float:
+        handicap = PREFERENCE ** (one.j - 1.0) * (1.0 if one.type == "sum" else PREFERENCE)
+        return (abs(one.centre / near - 1) + AGREEMENT) * handicap
 
-def _oscillations(system: PeriodicSystem, near: float) -> tuple[ComplexArray, ComplexArray]:
-    """Return the exponents i omega - decay at eps = 0, by increasing omega > 0, and the modes (2n, count) in (W', W).
-
-    Modes are those of the subsystems into which the excited system splits: of two modes with equal frequency in
-    different subsystems no mixture is formed.
-    """
-    exponents, modes = [], []
-    for subsystem in reduce_system(system, 1.0, near / (2 * np.pi)):
-        values, vectors = sla.eig(constant_matrix(subsystem.equations))
-        oscillating = values.imag > SLOWEST * np.abs(values).max()
-        exponents.append(values[oscillating])
-        modes.append(subsystem.to_q @ vectors[:, oscillating])
-    exponent = np.concatenate(exponents)
-    order = np.argsort(exponent.imag)
-    return exponent[order], np.concatenate(modes, axis=1)[:, order]
+    return min(found, key=score)

@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import combinations, combinations_with_replacement
-from typing import NamedTuple
 
 import numpy as np
-import scipy.linalg as sla
 
 from floquet.boundary.boundary import trace_boundary
-from floquet.boundary.resonance import HIGHEST_ORDER, SLOWEST
-from floquet.kind import Kind
-from floquet.oracle.reduction import ROUNDING, constant_matrix, reduce_system
+from floquet.boundary.resonance import Resonance
 from floquet.regions.outlines import Column, Loop, Place, components, crossings, loops
-from periodic import PeriodicSystem, SystemFamily
-from periodic.checks import FloatArray, is_positive_definite
+from periodic import SystemFamily
+from periodic.checks import FloatArray
 
 # A dip of the lower edge by less than this part of the range of eps is no foot.
 PROMINENCE = 0.01
@@ -28,67 +23,6 @@ TOLERANCES, DOUBT = 2.0, 0.5
 # from higher ones they are followed by `trace_boundary`.
 SURE = 0.05
 
-SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
-
-
-class Name(NamedTuple):
-    """A resonance j Omega = omega_p ± omega_q of two modes that the excitation couples, p >= q.
-
-    ``sign`` is +1 for a sum and -1 for a difference; ``centre`` is Omega.
-    """
-
-    p: int
-    q: int
-    j: int
-    sign: int
-    centre: float
-
-    @property
-    def kind(self) -> Kind:
-        """How a region that starts from this resonance is unstable."""
-        if self.p != self.q:
-            return Kind.COMPLEX
-        return Kind.PLUS_ONE if self.j % 2 == 0 else Kind.MINUS_ONE
-
-    @property
-    def label(self) -> str:
-        """Name of the resonance: 2ω₁, ω₁+ω₃, ω₃−ω₁, for j > 1 2ω₁/2, (ω₁+ω₃)/2."""
-        p, q = (f"ω{n}".translate(SUBSCRIPTS) for n in (self.p, self.q))
-        if self.p == self.q:
-            name = f"2{p}"
-        else:
-            total = f"{q}+{p}" if self.sign > 0 else f"{p}−{q}"
-            name = total if self.j == 1 else f"({total})"
-        return name if self.j == 1 else f"{name}/{self.j}"
-
-
-def resonances(system: PeriodicSystem, low: float, high: float) -> list[Name]:
-    """Return the resonances with low <= Omega <= high, by increasing order and frequency.
-
-    Modes are numbered by increasing frequency; two modes of different subsystems are not coupled and have no resonance.
-    Differences open no region where all stiffness is symmetric and positive definite without excitation: both modes
-    have positive energy (M. G. Krein).
-    """
-    found, homes = [], []
-    for number, subsystem in enumerate(reduce_system(system, 1.0, (low + high) / (4 * np.pi))):
-        values = sla.eigvals(constant_matrix(subsystem.equations))
-        oscillating = values.imag[values.imag > SLOWEST * np.abs(values).max()]
-        found += oscillating.tolist()
-        homes += [number] * len(oscillating)
-    order = np.argsort(found)
-    omega, home = np.array(found)[order], np.array(homes)[order]
-    modes = range(len(omega))
-    pairs = [(p, q, 1) for q, p in combinations_with_replacement(modes, 2)]
-    if _has_differences(system):
-        pairs += [(p, q, -1) for q, p in combinations(modes, 2)]
-    names = [
-        Name(p + 1, q + 1, j, sign, float(omega[p] + sign * omega[q]) / j)
-        for p, q, sign in pairs
-        for j in range(1, HIGHEST_ORDER + 1)
-        if home[p] == home[q] and low <= (omega[p] + sign * omega[q]) / j <= high
-    ]
-    return sorted(names, key=lambda name: (name.j, name.centre))
-
 
 class Namer:
     """Finds the resonances that regions start from, given the columns from eps = 0 upwards."""
@@ -98,14 +32,14 @@ class Namer:
         family: SystemFamily,
         Omega: FloatArray,
         columns: Sequence[Column],
-        names: Sequence[Name],
+        names: Sequence[Resonance],
         tolerance: float,
     ) -> None:
         self.family, self.Omega, self.columns, self.names, self.tolerance = family, Omega, columns, names, tolerance
         self.homes = {place: places for places in components(columns) for place in places}
-        self.known: dict[int, list[Name]] = {}
+        self.known: dict[int, list[Resonance]] = {}
 
-    def names_of(self, c: int, eps: float) -> list[Name]:
+    def names_of(self, c: int, eps: float) -> list[Resonance]:
         """Return the resonances that the region starts from that column ``c`` meets at or below ``eps``."""
         i = max(i for i, interval in enumerate(self.columns[c]) if interval.low < eps)
         places = self.homes[c, i]
@@ -115,7 +49,7 @@ class Namer:
             self.known[id(places)] = list(dict.fromkeys(name for name in named if name is not None))
         return self.known[id(places)]
 
-    def _start(self, outlines: Sequence[Loop], c: int, i: int) -> Name | None:
+    def _start(self, outlines: Sequence[Loop], c: int, i: int) -> Resonance | None:
         """Return the resonance below the foot of a region in interval ``i`` of column ``c``; None if there is none."""
         foot, Omega = self.columns[c][i], float(self.Omega[c])
         beside = [interval for column in self.columns[max(c - 1, 0) : c + 2] for interval in column]
@@ -133,15 +67,14 @@ class Namer:
         low, high = min(Omega, centre) - reach, max(Omega, centre) + reach
         fitting = [n for n in self.names if low <= n.centre <= high and n.kind == foot.low_kind]
         fitting.sort(key=lambda n: (n.sign < 0, n.j, abs(n.centre - centre)))
-        rivals = [n for n in fitting if n.j == fitting[0].j and n.sign == fitting[0].sign]
+        rivals = [n for n in fitting if n.j == fitting[0].j and n.type == fitting[0].type]
         if len(rivals) > 1 and foot.low > SURE * foot.high:
             return next((n for n in rivals if self._is_connected(n, level, chord)), rivals[0])
         return rivals[0] if rivals else None
 
-    def _is_connected(self, name: Name, level: float, chord: tuple[float, float]) -> bool:
+    def _is_connected(self, name: Resonance, level: float, chord: tuple[float, float]) -> bool:
         """Return whether the region of a resonance, followed from eps = 0, arrives at the chord at ``level``."""
-        kind = "sum" if name.sign > 0 else "difference"
-        trace = trace_boundary(self.family, name.centre, level, kind=kind, j=name.j)
+        trace = trace_boundary(self.family, name.centre, level, type=name.type, j=name.j)
         if (trace.resonance.p, trace.resonance.q) != name[:2] or not trace.is_open[0]:
             return False
         lower, upper = np.nan_to_num(trace.lower[0], nan=-np.inf), np.nan_to_num(trace.upper[0], nan=np.inf)
@@ -168,11 +101,3 @@ def feet(columns: Sequence[Column], places: set[Place]) -> list[Place]:
         return True
 
     return [lowest[c] for k, c in enumerate(order) if ends(k, -1) and ends(k, 1)]
-
-
-def _has_differences(system: PeriodicSystem) -> bool:
-    parts = np.concatenate([system.stiffness[None], system.cosine, system.sine])
-    asymmetry = np.abs(parts - parts.transpose(0, 2, 1)).max(axis=(1, 2))
-    if (asymmetry > ROUNDING * np.abs(parts).max(axis=(1, 2))).any():
-        return True
-    return not is_positive_definite((system.stiffness + system.stiffness.T) / 2)

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from tqdm import tqdm
 
+from floquet.boundary.resonance import Resonance, natural_modes, open_types, resonances
 from floquet.oracle.point import is_unstable
-from floquet.regions.naming import Name, Namer, resonances
+from floquet.regions.naming import Namer
 from floquet.regions.outlines import Column, Loop, Place, area, components, largest_width, loops, within
 from floquet.regions.scan import AMPLITUDES, Scan
 from floquet.regions.stretches import branches
@@ -53,7 +54,7 @@ class Region:
         resonances, counterclockwise; these may overlap. The first corner is not repeated at the end. ``kind`` is the
         `Kind` of the instability just inside. Where the region goes on beyond the window, the polyline follows the edge
         of the window.
-    resonances : tuple of Name
+    resonances : tuple of Resonance
         The resonances that the region starts from, several if regions have merged; empty if none explains it.
     tip : (float, float)
         Omega and eps of its lowest point.
@@ -63,7 +64,7 @@ class Region:
     """
 
     outlines: tuple[Loop, ...]
-    resonances: tuple[Name, ...]
+    resonances: tuple[Resonance, ...]
     tip: tuple[float, float]
     witness: tuple[float, float]
 
@@ -160,7 +161,8 @@ def trace_regions(
     progress = one_of("progress", progress, (True, False, None))
 
     width = high - low
-    names = resonances(member, low - 0.2 * width, high + 0.2 * width)
+    modes = natural_modes(member, (low + high) / 2)
+    names = resonances(modes, (low - 0.2 * width, high + 0.2 * width), open_types(member))
     # below the window, too: names come from where the regions start
     eps = np.concatenate(
         [np.linspace(0.0, bottom, BELOW, endpoint=False)[: BELOW * (bottom > 0)], np.linspace(bottom, top, AMPLITUDES)]
@@ -168,7 +170,7 @@ def trace_regions(
     scan = Scan(family, (low, high), eps, n_jobs)
     base = np.linspace(low, high, COLUMNS + 1).tolist()
     spare = width / COLUMNS
-    expected = candidates(member, [name for name in names if low - spare < name.centre < high + spare], top)
+    expected = candidates(member, modes, [name for name in names if low - spare < name.centre < high + spare], top)
     feet = [
         one.name.centre for one in expected if one.width > FOOT * width / COLUMNS and one.name.j <= 2 * member.harmonics
     ]

@@ -14,13 +14,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquet.boundary.resonance import Resonance
 from floquet.engine.column import log2_steps, multipliers
 from floquet.engine.coordinates import subsystems
 from floquet.engine.doubling.sampling import Sampler, Workspace
 from floquet.regions.centrelines import middles, root
 from floquet.regions.detuning import BALANCED, Nodes, home_of, scan_nodes
 from floquet.regions.exponents import modes, modes_symplectic
-from floquet.regions.naming import Name
 from floquet.regions.scan import Modes, Scan
 from floquet.regions.widths import Candidate
 from floquet.running.parallel import spread
@@ -59,7 +59,7 @@ class Tongue(NamedTuple):
     meets it there and finds its multipliers off the unit circle by far more than their error.
     """
 
-    name: Name
+    name: Resonance
     eps: FloatArray
     lower: FloatArray
     upper: FloatArray

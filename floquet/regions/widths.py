@@ -19,10 +19,10 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
 
-from floquet.boundary.resonance import SLOWEST
+from floquet.boundary.resonance import Modes, Resonance
 from floquet.engine.coordinates import Subsystem, equations, least_frequency, subsystems
-from floquet.regions.naming import Name
 from periodic import PeriodicSystem
 from periodic.checks import ComplexArray, FloatArray
 
@@ -30,8 +30,6 @@ from periodic.checks import ComplexArray, FloatArray
 FURTHER = 2
 # Denominators are not taken smaller than this part of Omega.
 NEAREST = 1e-3
-# Frequencies that agree to this part of themselves are those of one mode.
-SAME = 1e-8
 # A decay rate below this part of the fastest rate is the rounding of a mode without damping.
 NO_DECAY = 1e-12
 # How much wider than estimated a region may be, or how much less damped, to be looked for all the same.
@@ -42,11 +40,12 @@ PARALLEL, NUDGE = 1e6, 1e-5
 
 
 class Home(NamedTuple):
-    """A subsystem with the exponents of its b modes without excitation, by increasing frequency, imaginary parts >=
-    0."""
+    """A subsystem with the exponents of its b modes without excitation, by increasing frequency, imaginary parts >= 0,
+    and their numbers in the whole system, from 1; 0 for what does not oscillate."""
 
     subsystem: Subsystem
     exponents: ComplexArray
+    numbers: NDArray[np.intp]
 
 
 class Candidate(NamedTuple):
@@ -58,7 +57,7 @@ class Candidate(NamedTuple):
     coupling and a detuning x (V. V. Bolotin, Nonconservative Problems of the Theory of Elastic Stability, 1963).
     """
 
-    name: Name
+    name: Resonance
     home: Home
     p: int
     q: int
@@ -67,35 +66,41 @@ class Candidate(NamedTuple):
     balance: float = 1.0
 
 
-def homes(system: PeriodicSystem, least: float) -> list[Home]:
-    """Return the subsystems of a system with their modes; ``least`` is that of `equations`."""
+def homes(system: PeriodicSystem, modes: Modes) -> list[Home]:
+    """Return the subsystems of a system with their ``modes``."""
+    parts = subsystems(system)
+    shapes = system.mass @ modes.vectors[system.size :]
+    inside = np.array([np.linalg.norm(part.basis.T @ shapes, axis=0) for part in parts])
+    inside /= np.maximum(inside.max(axis=0), np.finfo(float).tiny)
+    # each subsystem has at most as many modes as coordinates; those of one frequency may have mixed
+    places = np.repeat(np.arange(len(parts)), [len(part.K) for part in parts])
+    mode, place = linear_sum_assignment(-(inside[places].T ** 2))
+    owner = np.full(len(modes.exponents), -1)
+    owner[mode] = places[place]
     found = []
-    for subsystem in subsystems(system):
-        values = np.linalg.eigvals(equations(subsystem, least).A)
-        values = values[values.imag > SLOWEST * subsystem.rate]
-        values = values[np.argsort(values.imag)]
-        found.append(Home(subsystem, np.concatenate([np.zeros(len(subsystem.K) - len(values)), values])))
+    for number, part in enumerate(parts):
+        own = np.flatnonzero(owner == number)
+        none = len(part.K) - len(own)
+        exponents = np.concatenate([np.zeros(none), modes.exponents[own]])
+        found.append(Home(part, exponents, np.concatenate([np.zeros(none, dtype=np.intp), own + 1])))
     return found
 
 
-def candidates(system: PeriodicSystem, names: Sequence[Name], eps: float) -> list[Candidate]:
+def candidates(system: PeriodicSystem, modes: Modes, names: Sequence[Resonance], eps: float) -> list[Candidate]:
     """Return the resonances that damping may leave open at the amplitude ``eps``, the widest first."""
     if not names:
         return []
     least = least_frequency(min(name.centre for name in names))
-    all_homes = homes(system, least)
-    omega = np.sort(np.concatenate([home.exponents.imag for home in all_homes]))
-    omega = omega[omega > 0]
     found = []
-    for home in all_homes:
-        own = {n + 1: _mode(home.exponents, frequency) for n, frequency in enumerate(omega)}
+    for home in homes(system, modes):
+        own = {number: place for place, number in enumerate(home.numbers.tolist()) if number > 0}
         for j in sorted({name.j for name in names}):
-            some = [name for name in names if name.j == j and own.get(name.p, -1) >= 0 and own.get(name.q, -1) >= 0]
+            some = [name for name in names if name.j == j and name.p in own and name.q in own]
             if not some:
                 continue
             first = home.exponents[[own[name.p] for name in some]]
             second = home.exponents[[own[name.q] for name in some]]
-            second = np.where([name.sign > 0 for name in some], second.conj(), second)
+            second = np.where([name.type == "sum" for name in some], second.conj(), second)
             centres = np.array([name.centre for name in some])
             growth = couplings(home.subsystem, least, first, second, j, centres, eps)
             is_open = np.isfinite(growth) & (DOUBT * growth > np.sqrt(np.maximum(first.real * second.real, 0.0)))
@@ -173,10 +178,3 @@ def _arriving(
         a[:, low : high + 1] = arrived[:, low : high + 1] / divisor[:, low : high + 1]
         a[each, zero, start] = a[each, target, end] = 0
     return total
-
-
-def _mode(exponents: ComplexArray, frequency: float) -> int:
-    """Return the place of a mode among ``exponents``, -1 if it is not there."""
-    distance = np.abs(exponents.imag - frequency)
-    nearest = int(distance.argmin())
-    return nearest if distance[nearest] <= SAME * frequency else -1

@@ -35,8 +35,8 @@ class _Stiffening:
     [
         (mathieu(delta=1.0), (1.5, 2.5)),
         (mathieu(delta=1.0, damping=0.02), (1.5, 2.5)),
-        (coupled_mathieu(kind="sum"), (0.1, 8.0)),
-        (coupled_mathieu(kind="difference"), (0.1, 8.0)),
+        (coupled_mathieu(type="sum"), (0.1, 8.0)),
+        (coupled_mathieu(type="difference"), (0.1, 8.0)),
         (gyroscopic_rotor(), (0.1, 8.0)),
         (MovingPlate(**SMALL), (10.0, 80.0)),
         (MovingPlate(**SMALL, aspect_ratio=2.0, speed=2.0, damping=1e-4), (5.0, 30.0)),
@@ -174,5 +174,5 @@ def test_a_difference_is_not_taken_for_a_sum_close_by() -> None:
     """High modes of a damped plate: their differences lie among wide regions of low ones, and are closed."""
     plate = MovingPlate(aspect_ratio=2.5, speed=1.6, tension=11.0, damping=1e-4)
     found = agreement(plate, (12.5, 14.0))
-    assert sum(region.kind == "difference" for region in found) >= 5
+    assert sum(region.type == "difference" for region in found) >= 5
     assert all(region.agrees for region in found), [(region.label, region.reason) for region in found]

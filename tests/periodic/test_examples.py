@@ -36,7 +36,7 @@ def multipliers(system: PeriodicSystem, Omega: float, eps: float) -> np.ndarray:
         (mathieu, "delta", np.nan),
         (mathieu, "delta", "1"),
         (mathieu, "damping", -0.1),
-        (coupled_mathieu, "kind", "product"),
+        (coupled_mathieu, "type", "product"),
         (coupled_mathieu, "frequencies", [1.0]),
         (coupled_mathieu, "frequencies", [1.0, 0.0]),
         (coupled_mathieu, "frequencies", [1.0, np.inf]),

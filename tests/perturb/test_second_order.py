@@ -167,7 +167,7 @@ def test_exponents_of_the_effective_matrix_are_of_third_order(seed: int, symmetr
     system = random_system(seed, 2, harmonics=2, symmetric=symmetric)
     modes = gyroscopic_modes(system)
     for found in transition_curves(system, EVERYTHING, order=2):
-        partner = found.q - 1 + (2 if found.kind == "sum" else 0)
+        partner = found.q - 1 + (2 if found.type == "sum" else 0)
         pair = [(found.p - 1, 0), (partner, -found.j)]
         if len(found.resonance.block.states) > 2:
             continue
@@ -211,9 +211,9 @@ def test_second_order_adds_the_sums_of_two_harmonics() -> None:
 
 def test_first_and_second_order_part_with_eps_squared() -> None:
     system = random_system(14, 3, damping=0.0)
-    first = {c.label: c for c in transition_curves(system, EVERYTHING, kinds=["sum"])}
+    first = {c.label: c for c in transition_curves(system, EVERYTHING, types=["sum"])}
     eps = np.array([0.02, 0.01, 0.005])
-    for label, second in curves(system, kinds=["sum"]).items():
+    for label, second in curves(system, types=["sum"]).items():
         if second.interaction == 1:
             apart = np.abs(np.array(second.edges(eps)) - first[label].edges(eps)).max(axis=0)
             assert 1.8 < fitted_order(eps, apart) < 2.2
@@ -222,7 +222,7 @@ def test_first_and_second_order_part_with_eps_squared() -> None:
 
 def test_no_difference_type_for_conservative_systems() -> None:
     for seed in (3, 4):
-        for found in curves(random_system(seed, 3, harmonics=2), kinds=["difference"]).values():
+        for found in curves(random_system(seed, 3, harmonics=2), types=["difference"]).values():
             assert np.isnan(found.edges([0.05, 0.1])).all(), found.label
             assert found.tip == np.inf
 

@@ -116,7 +116,7 @@ def test_modes_of_one_frequency_are_exact_mathieu_equations() -> None:
     system = PeriodicSystem(np.eye(2), zero, zero, np.eye(2), [[[1.0, b], [b, 1.0]]])
     e = eps * (1 + b)
     for case in (system, congruent(system, T)):
-        found = curves(case, kinds=["sum"])
+        found = curves(case, types=["sum"])
         for label in ("2ω₁", "ω₁+ω₂", "2ω₂"):
             np.testing.assert_allclose(
                 found[label].edges(eps), (2 - e / 2 - e**2 / 32, 2 + e / 2 - e**2 / 32), rtol=1e-11

@@ -42,7 +42,7 @@ def test_mathieu(damping: float) -> None:
     """Omega = 2 omega ± sqrt((eps / (2 omega))^2 - d^2) (docstring of `mathieu`)."""
     omega, eps = 1.3, np.array([0.05, 0.3, 0.6])
     (only,) = transition_curves(mathieu(omega**2, damping), EVERYTHING)
-    assert (only.p, only.q, only.j, only.kind, only.order, only.label) == (1, 1, 1, "sum", 1, "2ω₁")
+    assert (only.p, only.q, only.j, only.type, only.order, only.label) == (1, 1, 1, "sum", 1, "2ω₁")
     assert only.centre == pytest.approx(2 * omega, rel=1e-14)
     assert only.slope == pytest.approx(0.5 / omega, rel=1e-13)
     assert only.tip == pytest.approx(2 * omega * damping, rel=1e-13)
@@ -96,7 +96,7 @@ def test_moving_string_references(references: dict[str, Any]) -> None:
     for speed, table in references["string_W"].items():
         v = float(speed.removeprefix("v="))
         coarse, fine = (
-            {(c.q, c.p): c.slope for c in transition_curves(moving_string(v, n), (0, 20), kinds=["sum"])}
+            {(c.q, c.p): c.slope for c in transition_curves(moving_string(v, n), (0, 20), types=["sum"])}
             for n in (40, 80)
         )
         for label, value in table.items():
@@ -122,7 +122,7 @@ def test_plate_references(references: dict[str, Any], case: str, ratio: float, s
     decay = [float(c) for c in references["moving_plate_membrane"][case]["c_p"]]
     np.testing.assert_allclose(modes.decay_coefficients(plate.elastic_stiffness)[:3], decay, rtol=1e-5)
     elastic, literal = (
-        {(c.q, c.p): c for c in transition_curves(plate, (0, 80), kinds=["sum"], vanishing_damping=D)}
+        {(c.q, c.p): c for c in transition_curves(plate, (0, 80), types=["sum"], vanishing_damping=D)}
         for D in (None, plate.elastic_stiffness)
     )
     for label, expected in references["first_order_membrane"][case].items():
@@ -169,7 +169,7 @@ def test_modes_of_one_frequency_act_together() -> None:
     T = np.array([[1.0, 0.4], [-0.3, 1.2]])
     system = PeriodicSystem(np.eye(2), zero, zero, np.eye(2), [[[1.0, b], [b, 1.0]]])
     for case in (system, congruent(system, T)):
-        for found in transition_curves(case, EVERYTHING, kinds=["sum"]):
+        for found in transition_curves(case, EVERYTHING, types=["sum"]):
             assert found.slope == pytest.approx(0.5 * (1 + b), rel=1e-9)
             np.testing.assert_allclose(found.edges(0.1), (2 - 0.05 * (1 + b), 2 + 0.05 * (1 + b)), rtol=1e-10)
             assert found.tip == 0
@@ -221,7 +221,7 @@ def test_sign_of_eps_decides_nothing(seed: int) -> None:
 
 def test_no_difference_type_for_symmetric_excitation() -> None:
     for damping in (0.0, 0.1):
-        for found in transition_curves(random_system(7, 4, damping=damping), EVERYTHING, kinds=["difference"]):
+        for found in transition_curves(random_system(7, 4, damping=damping), EVERYTHING, types=["difference"]):
             assert (found.slope, found.tip) == (0.0, np.inf)
             assert np.isnan(found.edges([0.0, 0.1, 10.0])).all()
 
@@ -242,11 +242,11 @@ def test_lists_every_resonance_of_the_range_once() -> None:
                 if p > q and low <= (omega[p] - omega[q]) / j <= high:
                     expected.add((p + 1, q + 1, j, "difference"))
     curves = transition_curves(system, (low, high))
-    assert {(c.p, c.q, c.j, c.kind) for c in curves} == expected
+    assert {(c.p, c.q, c.j, c.type) for c in curves} == expected
     assert len(curves) == len(expected)
     centres = [c.centre for c in curves]
     assert centres == sorted(centres)
-    sums = transition_curves(system, (low, high), kinds=("sum",))
+    sums = transition_curves(system, (low, high), types=("sum",))
     assert {(c.p, c.q, c.j) for c in sums} == {key[:3] for key in expected if key[3] == "sum"}
 
 
@@ -257,7 +257,7 @@ def test_equal_frequencies_have_no_difference() -> None:
 
 def test_labels() -> None:
     curves = transition_curves(random_system(9, 12, harmonics=2), EVERYTHING)
-    labels = {(c.p, c.q, c.j, c.kind): c.label for c in curves}
+    labels = {(c.p, c.q, c.j, c.type): c.label for c in curves}
     assert labels[1, 1, 1, "sum"] == "2ω₁"
     assert labels[3, 1, 1, "sum"] == "ω₁+ω₃"
     assert labels[3, 1, 1, "difference"] == "ω₃−ω₁"
@@ -326,12 +326,12 @@ def test_edges_keep_the_shape_of_eps() -> None:
         ({"order": 1.0}, r"^order = 1\.0"),
         ({"order": True}, r"^order = True"),
         ({"order": "1"}, r"^order = '1'"),
-        ({"kinds": "sum"}, r"^kinds = 'sum' is not a sequence"),
-        ({"kinds": None}, r"^kinds = None"),
-        ({"kinds": ()}, r"^kinds = \(\)"),
-        ({"kinds": ("sum", "product")}, r"^kinds = 'product'"),
-        ({"kinds": ("sum", "sum")}, r"^kinds = .*repeats"),
-        ({"kinds": (1,)}, r"^kinds = 1"),
+        ({"types": "sum"}, r"^types = 'sum' is not a sequence"),
+        ({"types": None}, r"^types = None"),
+        ({"types": ()}, r"^types = \(\)"),
+        ({"types": ("sum", "product")}, r"^types = 'product'"),
+        ({"types": ("sum", "sum")}, r"^types = .*repeats"),
+        ({"types": (1,)}, r"^types = 1"),
         ({"vanishing_damping": np.eye(3)}, r"^vanishing_damping has shape \(3, 3\)"),
         ({"vanishing_damping": 1.0}, r"^vanishing_damping has shape"),
         ({"vanishing_damping": [[1.0, 0.0], [0.5, 1.0]]}, r"^vanishing_damping is not symmetric"),

@@ -28,7 +28,7 @@ NAMES = ("growth_rate", "multiplier", "kind", "error")
 SLOWED = """
 import signal, sys, time
 signal.signal(signal.SIGINT, signal.default_int_handler)
-from floquet import chart
+from floquet.chart import chart
 from floquet_scripts import explore
 whole = chart.chart_batch
 def slow(*arguments):
@@ -155,7 +155,7 @@ def test_a_quick_look_into_the_same_folder_leaves_the_parts_of_a_long_run(home: 
 def test_a_folder_of_ones_own_keeps_the_parts_for_two_commands(
     home: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from floquet import chart
+    from floquet.chart import chart
 
     common = ["--system", str(home / "pair.npz"), "--resume", str(tmp_path / "parts"), "--no-progress", "--jobs", "1"]
     window = ["--Omega", "2.0", "3.5", "--eps", "0.5", "--points", "16", "6"]
@@ -178,7 +178,7 @@ def test_a_terminal_without_greek_letters_is_no_obstacle(home: Path, tmp_path: P
     assert "pair.npz" in done.stdout
 
 
-@pytest.mark.parametrize("streams", [{"stdout"}, {"stderr"}, {"stdout", "stderr"}], ids=lambda names: "+".join(names))
+@pytest.mark.parametrize("streams", [("stdout",), ("stderr",), ("stdout", "stderr")], ids="+".join)
 def test_results_are_written_although_nobody_reads_the_output(home: Path, tmp_path: Path, streams: set[str]) -> None:
     # as with `| head -1`, and with `2>&1 | head -1`, where progress bars go as well
     command = [sys.executable, "-c", "import sys; from floquet_scripts import explore; sys.exit(explore.main())"]

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from compare import truncation
 from compare.explorer.exploration import default_window
 from compare.files.matrices import save_system
+from compare.study import truncation
 from compare.study.own_system import OwnSystem, own_system, system_subject
 from compare.study.study import run_case
 from compare.study.truncation import MOST_WHOLE, REACH, lowest_modes

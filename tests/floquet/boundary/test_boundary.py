@@ -24,7 +24,7 @@ def test_combination_resonance(kind):
     eps = np.array([0.01, 0.02, 0.04])
     elastic = trace_boundary(coupled_mathieu(kind, omega), centre, eps)
     assert (elastic.kind == Kind.COMPLEX).all()
-    assert (elastic.resonance.p, elastic.resonance.q, elastic.resonance.kind) == (2, 1, kind)
+    assert (elastic.resonance.p, elastic.resonance.q, elastic.resonance.type) == (2, 1, kind)
     half = (elastic.upper - elastic.lower) / 2
     assert half == pytest.approx(eps * root_L, rel=1e-3)
 
@@ -179,7 +179,7 @@ def test_no_region_of_another_pair_is_taken():
 def test_difference_type_stays_closed_on_the_plate(plate):
     # L_diff < 0 for symmetric F (theory.md, section 5)
     trace = trace_boundary(plate, 26.5, [0.01, 0.1, 0.3])
-    assert trace.resonance.kind == "difference"
+    assert trace.resonance.type == "difference"
     assert (trace.resonance.p, trace.resonance.q) == (3, 1)
     assert (trace.kind == Kind.STABLE).all()
 

@@ -62,7 +62,7 @@ def test_edges_of_mathieu(n, eps, kind):
     trace = trace_boundary(mathieu(), 2 / n, eps)
     assert trace.is_open.all()
     assert (trace.kind == kind).all()
-    assert (trace.resonance.p, trace.resonance.q, trace.resonance.j, trace.resonance.kind) == (1, 1, n, "sum")
+    assert (trace.resonance.p, trace.resonance.q, trace.resonance.j, trace.resonance.type) == (1, 1, n, "sum")
     for i, e in enumerate(eps):
         # a_n > b_n: the lower edge belongs to a_n
         for found, error, odd in (

@@ -13,10 +13,16 @@ from hypothesis import strategies as st
 from floquet import Kind, monodromy, trace_boundary
 from floquet.boundary.boundary import _Route
 from floquet.boundary.pair import LostError, Point, instability
-from floquet.boundary.resonance import nearest_resonance
+from floquet.boundary.resonance import natural_modes, nearest_resonance
 from periodic import PeriodicSystem
 from periodic.examples import mathieu
 from plate import EdgeLoad, MovingPlate
+
+
+def _route(system: PeriodicSystem, near: float) -> _Route:
+    modes = natural_modes(system, near)
+    return _Route(system, nearest_resonance(modes, near), modes)
+
 
 logs = st.complex_numbers(max_magnitude=1.0, allow_nan=False, allow_infinity=False)
 
@@ -79,7 +85,7 @@ def point(Omega, f):
 
 
 def test_jumps_are_not_edges():
-    route = _Route(mathieu(), nearest_resonance(mathieu(), 2.0))
+    route = _route(mathieu(), 2.0)
     for f, zero in (
         (lambda x: 2.1 - x, 2.1),
         (lambda x: (2.1 - x) * 1e-12, 2.1),
@@ -123,9 +129,9 @@ def test_there_is_no_pair_at_no_frequency():
     pair = PeriodicSystem(
         np.eye(2), np.zeros((2, 2)), np.zeros((2, 2)), np.diag([1.0, 4.0]), [[[1.0, 0.5], [0.5, 1.0]]]
     )
-    route = _Route(pair, nearest_resonance(pair, 4.0))
+    route = _route(pair, 4.0)
     with pytest.raises(LostError):
-        route.pair.at(0.0, 1.0, route.resonance.solutions)
+        route.pair.at(0.0, 1.0, route.pair.solutions)
     # followed so far that the way leads below Omega = 0, the region is lost
     assert trace_boundary(pair, 4.0, 5.0).kind[0] == Kind.UNDECIDED
 

@@ -22,7 +22,7 @@ from tests.floquet.certified.certified_oracles import (
 flint = pytest.importorskip("flint", reason="python-flint, the extra certify, is not installed")
 from flint import arb, arb_mat, ctx  # noqa: E402
 
-from floquet import enclosure  # noqa: E402
+from floquet.certified import enclosure  # noqa: E402
 from floquet.certified.growth import certified_monodromy  # noqa: E402
 
 

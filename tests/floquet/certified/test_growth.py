@@ -17,7 +17,7 @@ from tests.floquet.certified.certified_oracles import OMEGA, random_system, whit
 flint = pytest.importorskip("flint", reason="python-flint, the extra certify, is not installed")
 from flint import arb, ctx  # noqa: E402
 
-from floquet import certified  # noqa: E402
+from floquet.certified import growth as certified  # noqa: E402
 from floquet.certified.growth import CertifiedGrowth, Verdict, certified_growth, certified_monodromy  # noqa: E402
 
 # Verdicts

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from floquet import StabilityChart, stability_chart
-from floquet import chart as chart_module
+from floquet.chart import chart as chart_module
 from periodic.examples import coupled_mathieu, mathieu
 
 OMEGA, EPS = np.linspace(0.7, 5.0, 40), np.linspace(0.0, 1.0, 12)

@@ -9,11 +9,10 @@ import pytest
 from floquet.engine.coordinates import subsystems
 from floquet.regions.detuning import Nodes, Wide, home_of, scan_nodes
 from floquet.regions.exponents import Exponents
-from floquet.regions.naming import resonances
 from floquet.regions.scan import Modes, Scan
-from floquet.regions.widths import candidates
 from periodic.examples import coupled_mathieu, mathieu
 from plate import MovingPlate
+from tests.floquet.regions.resonating import candidates_of, resonances_of
 
 EPS = np.linspace(0.0, 0.4, 80)
 
@@ -31,7 +30,7 @@ def test_columns_on_both_sides_enclose_every_resonance() -> None:
     system = mathieu()
     scan = Scan(system, (0.3, 3.0), EPS, 1)
     scan.add(np.linspace(0.3, 3.0, 129))
-    some = candidates(system, resonances(system, 0.4, 1.5), 0.4)
+    some = candidates_of(system, 0.4, 0.4, 1.5)
     for one, nodes in zip(some, scan_nodes(some, scan), strict=True):
         assert (np.diff(nodes.Omega) > 0).all()
         assert (nodes.apart[0] > 0).all()
@@ -43,7 +42,7 @@ def test_columns_on_both_sides_enclose_every_resonance() -> None:
 def test_the_home_of_a_candidate_is_found_among_blocks() -> None:
     system = MovingPlate(axial_terms=2, lateral_terms=3).at(30.0)
     parts = subsystems(system)
-    for one in candidates(system, resonances(system, 20.0, 40.0), 0.5)[:10]:
+    for one in candidates_of(system, 0.5, 20.0, 40.0)[:10]:
         assert parts[home_of(parts, one.home, 20.0)].K.shape == one.home.subsystem.K.shape
         np.testing.assert_allclose(parts[home_of(parts, one.home, 20.0)].K, one.home.subsystem.K)
 
@@ -51,7 +50,7 @@ def test_the_home_of_a_candidate_is_found_among_blocks() -> None:
 @pytest.mark.parametrize(("partner", "counts"), [(1, True), (2, False)])
 def test_a_damped_mode_that_is_unstable_with_a_third_says_nothing(partner: int, counts: bool) -> None:
     system = coupled_mathieu("sum", damping=(0.01, 0.01))
-    (one,) = candidates(system, resonances(system, 2.69, 2.71)[:1], 0.1)
+    (one,) = candidates_of(system, 0.1, 2.69, 2.71, resonances_of(system, 2.69, 2.71)[:1])
     period = 2 * np.pi / 2.7
     angle = np.tile(one.home.exponents.imag * period, (2, 1))
     modulus = np.tile(one.home.exponents.real * period, (2, 1))

@@ -15,7 +15,6 @@ from scipy.special import mathieu_a, mathieu_b
 
 from floquet import Kind, Region, StabilityChart, monodromy, stability_chart, trace_regions
 from floquet.oracle.point import is_unstable
-from floquet.regions.naming import resonances
 from floquet.regions.outlines import Loop
 from floquet.regions.refinement import Slabs
 from floquet.regions.regions import _witness
@@ -25,6 +24,7 @@ from periodic import PeriodicSystem
 from periodic.examples import coupled_mathieu, mathieu
 from plate import EdgeLoad, MovingPlate
 from tests import strategies
+from tests.floquet.regions.resonating import resonances_of
 
 
 def edge_of_mathieu(order: int, sort: str, eps: float) -> float:
@@ -352,7 +352,7 @@ def test_a_slab_is_looked_at_again_only_when_a_column_near_it_is_new(monkeypatch
 
 
 def test_a_witness_lies_in_its_stretch_and_in_the_window() -> None:
-    name = resonances(mathieu(), 1.9, 2.1)[0]
+    name = resonances_of(mathieu(), 1.9, 2.1)[0]
     eps = np.linspace(0, 0.4, 81)
     half = eps / 2.2
     corners, kind = np.concatenate([2 + half, (2 - half)[::-1]]), np.zeros(162, dtype=np.int8)

@@ -7,12 +7,12 @@ import pytest
 from numpy.typing import NDArray
 
 from floquet import Region
-from floquet.regions.naming import Name
+from floquet.boundary.resonance import Resonance
 from floquet.regions.stretches import branches
 from floquet.regions.tongues import Tongue
 from periodic.checks import FloatArray
 
-NAME = Name(1, 1, 1, 1, 2.0)
+NAME = Resonance(1, 1, 1, "sum", 2.0)
 EPS = np.linspace(0.0, 1.0, 50)
 
 

@@ -12,14 +12,13 @@ from scipy.special import mathieu_a, mathieu_b
 from floquet import Kind, monodromy, stability_chart, trace_boundary
 from floquet.engine.column import Spectra, multipliers
 from floquet.engine.doubling.sampling import Sampler, Workspace
-from floquet.regions.naming import resonances
 from floquet.regions.scan import Scan
 from floquet.regions.tongues import Tongue, _Follower, trace_tongues
-from floquet.regions.widths import candidates
 from periodic import SystemFamily
 from periodic.checks import FloatArray
 from periodic.examples import coupled_mathieu, mathieu
 from plate import EdgeLoad, MovingPlate
+from tests.floquet.regions.resonating import candidates_of, resonances_of
 
 
 def stretches_of(family: SystemFamily, Omega: tuple[float, float], eps: tuple[float, float]) -> list[Tongue]:
@@ -29,7 +28,7 @@ def stretches_of(family: SystemFamily, Omega: tuple[float, float], eps: tuple[fl
     below = np.linspace(0.0, eps[0], 32, endpoint=False)[: 32 * (eps[0] > 0)]
     scan = Scan(family, (low, high), np.concatenate([below, np.linspace(*eps, 80)]), 1)
     scan.add(np.linspace(low, high, 33))
-    return trace_tongues(family, candidates(member, resonances(member, *Omega), eps[1]), scan, eps, 0.5, 1)
+    return trace_tongues(family, candidates_of(member, eps[1], *Omega), scan, eps, 0.5, 1)
 
 
 def tongues_of(family: SystemFamily, Omega: tuple[float, float], eps: tuple[float, float]) -> dict[str, Tongue]:
@@ -137,7 +136,7 @@ def test_columns_of_few_errors_share_the_plans_of_their_doublings(monkeypatch: p
 
 def test_a_stable_point_is_not_sure() -> None:
     scan = Scan(mathieu(), (0.6, 0.8), np.linspace(0, 0.4, 80), 1)
-    (one,) = [one for one in candidates(mathieu(), resonances(mathieu(), 0.66, 0.67), 0.4) if one.name.j == 3]
+    (one,) = [one for one in candidates_of(mathieu(), 0.4, 0.66, 0.67) if one.name.j == 3]
     follower = _Follower(mathieu(), one, scan.window, scan.eps, scan.steps, Workspace())
     trace = trace_boundary(mathieu(), 2 / 3, 0.3, j=3)
     lower, upper = float(trace.lower[0]), float(trace.upper[0])
@@ -149,7 +148,7 @@ def test_a_region_that_passes_a_column_between_two_levels_needs_no_other(monkeyp
     # the seventh tongue moves from 2/7 by 0.003, 5e-5 from level to level, and is much narrower
     scan = Scan(mathieu(), (0.2, 0.4), np.linspace(0, 0.4, 80), 1)
     scan.add([*np.linspace(0.2, 0.4, 17), 0.2845])
-    some = [one for one in candidates(mathieu(), resonances(mathieu(), 0.28, 0.29), 0.4) if one.name.j == 7]
+    some = [one for one in candidates_of(mathieu(), 0.4, 0.28, 0.29) if one.name.j == 7]
 
     def none(*_: object) -> None:
         raise AssertionError("a column was computed")
@@ -172,7 +171,8 @@ def stretches_of_one(plate: MovingPlate, wanted: tuple[int, int, int]) -> list[T
     scan = Scan(plate, (5.0, 90.0), np.linspace(0.0, 1.0, 80), 1)
     scan.add(np.linspace(5.0, 90.0, 129))
     member = plate.at(47.5)
-    some = candidates(member, [name for name in resonances(member, 5.0, 90.0) if name[:3] == wanted], 1.0)
+    named = [name for name in resonances_of(member, 5.0, 90.0) if name[:3] == wanted]
+    some = candidates_of(member, 1.0, 5.0, 90.0, named)
     return trace_tongues(plate, some, scan, (0.0, 1.0), 1.0, 1)
 
 
