@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-import sys
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from compare import agreement
+from compare import verdicts as module
 from compare.verdicts import DEFAULT_LADDER, fitted_order, vanishes
 from floquet import Kind, trace_boundary
 from periodic import PeriodicSystem
@@ -88,7 +88,7 @@ def test_what_integration_cannot_tell_is_no_agreement(monkeypatch: pytest.Monkey
         nan = np.array([np.nan])
         return replace(trace_boundary(*arguments, **meant), kind=np.array([Kind.UNDECIDED]), lower=nan, upper=nan)
 
-    monkeypatch.setattr(sys.modules["compare.agreement"], "trace_boundary", undecided)  # the function hides the module
+    monkeypatch.setattr(module, "trace_boundary", undecided)
     (verdict,) = agreement(MovingPlate(**SMALL), (24.0, 25.0), modes=2)
     assert verdict.label == "ω₁+ω₂"
     assert not verdict.agrees
@@ -137,7 +137,7 @@ def test_fitted_order_is_that_of_the_leading_term(order: int) -> None:
         ({"eps": [0.1, 0.1, 0.2]}, "eps is not strictly increasing"),
         ({"order": 3}, "order = 3"),
         ({"modes": 0}, "modes = 0"),
-        ({"kinds": ("product",)}, "kinds"),
+        ({"types": ("product",)}, "types"),
         ({"Omega_range": (3.0, 1.0)}, "Omega_range"),
         ({"Omega_range": 3.0}, "Omega_range"),
         ({"n_jobs": 0}, "n_jobs = 0"),

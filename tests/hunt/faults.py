@@ -179,7 +179,7 @@ FAULTS = (
     Fault(
         "difference resonances like sums",
         "perturb/coupling.py",
-        'sign = 1 if kind == "sum" else -1',
+        'sign = 1 if type == "sum" else -1',
         "sign = 1",
         COUPLING,
     ),
@@ -302,11 +302,17 @@ FAULTS = (
     Fault(
         "half of G in the symplectic coordinates",
         "floquet/engine/coordinates.py",
-        "half = block.G / 2",
-        "half = block.G / 4",
+        "half = subsystem.G / 2",
+        "half = subsystem.G / 4",
         ORACLE,
     ),
-    Fault("damping drives", "floquet/engine/coordinates.py", "-block.G - block.C]", "-block.G + block.C]", DOUBLING),
+    Fault(
+        "damping drives",
+        "floquet/engine/coordinates.py",
+        "-subsystem.G - subsystem.C]",
+        "-subsystem.G + subsystem.C]",
+        DOUBLING,
+    ),
     Fault(
         "second factor at the wrong phase",
         "floquet/engine/doubling/schedule.py",
@@ -367,7 +373,7 @@ FAULTS = (
     Fault(
         "rounding in a large matrix forgotten",
         "floquet/engine/column.py",
-        "* (nu if block.symplectic else nu**2)",
+        "* (nu if subsystem.symplectic else nu**2)",
         "* np.ones_like(nu)",
         "floquet/oracle/test_exact_boundary.py::test_chart_decides_nothing_on_a_boundary",
     ),
@@ -409,7 +415,7 @@ FAULTS = (
         "floquet/regions/test_stretches.py",
     ),
     Fault(
-        "blocks of a family in an order of chance",
+        "subsystems of a family in an order of chance",
         "floquet/engine/decoupling.py",
         "return sorted(found, key=lambda basis: float(np.linalg.norm(direction @ basis)))",
         "return found",
@@ -418,7 +424,7 @@ FAULTS = (
     Fault(
         "rounding taken for damping",
         "floquet/regions/widths.py",
-        "slightest = -NO_DECAY * block.rate",
+        "slightest = -NO_DECAY * subsystem.rate",
         "slightest = 0.0",
         "floquet/regions/test_widths.py",
     ),
@@ -458,7 +464,7 @@ FAULTS = (
         "floquet/chart/test_checkpoint.py",
     ),
     Fault(
-        "damaged blocks are trusted",
+        "damaged tiles are trusted",
         "floquet/chart/checkpoint.py",
         "if hashlib.sha256(content).digest() != digest:",
         "if False:",
@@ -503,8 +509,8 @@ FAULTS = (
     Fault(
         "dropped couplings not charged",
         "floquet/oracle/reduction.py",
-        "block.neglected + float(neglected)",
-        "block.neglected",
+        "subsystem.neglected + float(neglected)",
+        "subsystem.neglected",
         "floquet/oracle/test_reduction.py",
     ),
     Fault(
@@ -533,13 +539,13 @@ FAULTS = (
     Fault(
         "sum resonances sought as differences",
         "floquet/boundary/resonance.py",
-        "vectors[:, q].conj() if kind",
-        "vectors[:, q] if kind",
+        "second.conj() if resonance",
+        "second if resonance",
         "floquet/boundary/test_boundary.py",
     ),
     Fault(
         "even tongues of the kind of odd ones",
-        "floquet/regions/naming.py",
+        "floquet/boundary/resonance.py",
         "if self.j % 2 == 0",
         "if self.j % 2 == 1",
         "floquet/regions/test_regions.py",

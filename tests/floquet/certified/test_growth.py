@@ -295,6 +295,6 @@ def test_extreme_numbers_are_no_trouble(Omega: float, eps: float) -> None:
 
 def test_missing_flint_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "flint", None)
-    monkeypatch.delitem(sys.modules, "floquet.certified")
+    monkeypatch.delitem(sys.modules, "floquet.certified.growth")
     with pytest.raises(ImportError, match=r"floquet-charts\[certify\]"):
-        importlib.import_module("floquet.certified")
+        importlib.import_module("floquet.certified.growth")

@@ -142,7 +142,7 @@ def test_columns_do_not_depend_on_their_task(monkeypatch):
     system = random_system(24, 3, 1)
     Omega, eps = np.linspace(0.8, 3.0, 13), np.linspace(0, 0.6, 12)
     one = chart(system, Omega, eps)
-    monkeypatch.setattr(floquet.chart, "LEAST_COLUMNS", 5)
+    monkeypatch.setattr(floquet.chart.chart, "LEAST_COLUMNS", 5)
     assert same(one, chart(system, Omega, eps))
 
 
@@ -176,7 +176,9 @@ def test_audit(example):
 def test_audit_notices_faults(monkeypatch):
     # another system in the place of the one that is integrated: the audit must say so
     right, wrong = random_system(25, 2, 1, damping=0.1), random_system(26, 2, 1, damping=0.1)
-    monkeypatch.setattr(floquet.chart, "chart_batch", lambda systems, *rest: original([wrong] * len(systems), *rest))
+    monkeypatch.setattr(
+        floquet.chart.chart, "chart_batch", lambda systems, *rest: original([wrong] * len(systems), *rest)
+    )
     found = chart(right, np.linspace(1, 2, 5), np.linspace(0, 1, 5), audit=16)
     assert not found.audit.ok
     assert found.audit.largest_ratio > 1e3
