@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from compare.explorer.exploration import default_window, explore
+from compare.explorer.exploration import explore
 from compare.explorer.listing import region_lines
 from compare.explorer.response import responses
 from compare.explorer.sweep import sweep
@@ -23,6 +23,7 @@ from compare.explorer.variation import SWEEPABLE, plate_table
 from compare.files.cases import STANDARD_REGIONS, Plate, load_case
 from compare.files.publish import staged
 from compare.study.own_system import own_system
+from compare.window import default_window
 from floquet.chart.checkpoint import TileStore
 from floquet_scripts import running
 from periodic import PeriodicSystem, SystemFamily

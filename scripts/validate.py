@@ -9,12 +9,12 @@ import sys
 from pathlib import Path
 
 from compare.claims import ClaimVerdict, judge_claims
-from compare.explorer.exploration import MODES_SHOWN
 from compare.files.cases import load_case, shipped_cases
 from compare.files.publish import staged
 from compare.study.own_system import POINTS, own_system, system_subject
 from compare.study.report import write_report
 from compare.study.study import CaseStudy, Subject, run_case
+from compare.window import MODES_SHOWN
 from floquet.chart.checkpoint import TileStore
 from floquet_scripts import running
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 from dataclasses import dataclass
-from math import floor, log10
 from pathlib import Path
 from typing import Any
 
@@ -15,22 +14,14 @@ from compare.audit import audit_sentence
 from compare.explorer.outlines import LEVELS, draw_outlines
 from compare.files.cases import MOST_POINTS
 from compare.pictures import overlay
+from compare.window import RIGID_FREQUENCY
 from floquet import Region, StabilityChart, stability_chart, trace_regions
 from floquet.chart.checkpoint import TileStore
 from floquet.regions.outlines import largest_width
 from periodic import PeriodicSystem, SystemFamily
-from periodic.checks import FloatArray, interval, one_of, real_number, whole_number
+from periodic.checks import interval, one_of, real_number, whole_number
 from perturb import TransitionCurve, transition_curves
 
-# A default window shows the main regions of this many modes.
-MODES_SHOWN = 3
-# A default eps_max changes the stiffness of the softest direction by about this part; a stiffness that is not positive
-# (a Paul trap) has to be overcome before there is anything stable.
-STIFFNESS_CHANGE, OVERCOMING = 0.5, 5.0
-# Frequencies below this part of the highest one belong to rigid-body motion: the square root of rounding.
-RIGID = 1e-6
-# Squares of what is beyond are no floats.
-LARGEST = 1e150
 # Regions that start beside the window, by this part of its width, may lean into it.
 NEIGHBOURS = 0.25
 # Values of eps at which a curve is looked at to see whether it is open anywhere in the window.
@@ -186,7 +177,7 @@ def _without_stiffness(system: PeriodicSystem) -> str:
     """Return what there is to say of motions that no stiffness holds; nothing if there are none."""
     scale = np.linalg.inv(np.linalg.cholesky(system.mass))
     held = np.linalg.svd(scale @ system.stiffness @ scale.T, compute_uv=False)
-    free = int((held <= RIGID**2 * held[0]).sum())
+    free = int((held <= RIGID_FREQUENCY**2 * held[0]).sum())
     if free == 0:
         return ""
     motions = "1 motion has" if free == 1 else f"{free} motions have"
@@ -200,49 +191,3 @@ def _enters(curve: TransitionCurve, window: tuple[float, float], eps_max: float)
     """Whether theory finds the region open, with a width, somewhere in the window."""
     lower, upper = curve.edges(np.linspace(0, eps_max, CURVE_POINTS))
     return bool(((upper > lower) & (upper > window[0]) & (lower < window[1])).any())
-
-
-def default_window(system: PeriodicSystem) -> tuple[tuple[float, float], float]:
-    """Return a window (Omega_range, eps_max) that shows the main regions of a system's lowest modes.
-
-    From half the lowest natural frequency to a tenth above twice the third; eps up to the value that changes the
-    stiffness, in the direction in which that is easiest, by about half (five times where it is not positive).
-
-    Raises
-    ------
-    ValueError
-        If the system does not oscillate without excitation, so that it suggests no window, or its numbers are too
-        large.
-    """
-    scale = np.linalg.inv(np.linalg.cholesky(system.mass))
-    with np.errstate(over="ignore", invalid="ignore"):
-        stiffness, velocity = (
-            scale @ matrix @ scale.T for matrix in (system.stiffness, system.gyroscopic + system.damping)
-        )
-    if not max(np.abs(stiffness).max(), np.abs(velocity).max()) < LARGEST:
-        raise ValueError(f"stiffness or damping, divided by mass, is beyond {LARGEST:g}; change the units")
-    n = system.size
-    first_order = np.block([[-velocity, -stiffness], [np.eye(n), np.zeros((n, n))]])
-    frequencies = np.sort(np.abs(np.linalg.eigvals(first_order)))[::2]  # they come in pairs
-    frequencies = frequencies[frequencies > RIGID * frequencies[-1]]
-    if frequencies.size == 0:
-        raise ValueError("the system does not oscillate without excitation; give the window of Omega and eps yourself")
-    shown = frequencies[:MODES_SHOWN]
-    return (_rounded(0.5 * shown[0]), _rounded(2.2 * shown[-1])), _default_eps(system, scale, stiffness)
-
-
-def _default_eps(system: PeriodicSystem, scale: FloatArray, stiffness: FloatArray) -> float:
-    values, vectors = np.linalg.eigh(0.5 * (stiffness + stiffness.T))
-    size = np.abs(values)
-    if not size.any():
-        return 1.0
-    least = size[size > RIGID**2 * size.max()].min()  # a fine mesh spans many decades; what is below is rigid
-    soft = scale.T @ vectors / np.sqrt(np.maximum(size, least))
-    change = max(float(np.linalg.norm(soft.T @ F @ soft, 2)) for F in (*system.cosine, *system.sine))
-    wanted = STIFFNESS_CHANGE if values[0] > 0 else OVERCOMING
-    return _rounded(wanted / change) if change > 0 else 1.0
-
-
-def _rounded(value: float) -> float:
-    """Return ``value`` to two significant digits."""
-    return round(float(value), 1 - floor(log10(value)))

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
-from compare.explorer.exploration import MODES_SHOWN, default_window
 from compare.files.cases import MOST_POINTS
 from compare.files.matrices import FIELDS, load_system
 from compare.study.study import Subject
 from compare.study.truncation import lowest_modes
+from compare.window import MODES_SHOWN, default_window
 from periodic import PeriodicSystem
 from periodic.checks import interval, real_number, whole_number
 from periodic.system import SYMMETRY_TOLERANCE
@@ -60,7 +60,7 @@ def own_system(
     path : str or Path
         As for `compare.files.matrices.load_system`.
     Omega_range, eps_max : optional
-        The window; what is left out is `compare.explorer.exploration.default_window`'s.
+        The window; what is left out is `compare.window.default_window`'s.
     all_modes : bool
         Keep a large system as it is, however long it takes (`compare.study.truncation.lowest_modes`).
 

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from compare.explorer.exploration import default_window
 from compare.files.matrices import save_system
 from compare.study import truncation
 from compare.study.own_system import OwnSystem, own_system, system_subject
 from compare.study.study import run_case
 from compare.study.truncation import MOST_WHOLE, REACH, lowest_modes
+from compare.window import default_window
 from floquet import Kind, stability_chart
 from periodic import PeriodicSystem
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu
@@ -23,20 +23,6 @@ from tests.finite_elements import column
 def _own(system: PeriodicSystem, **changes: object) -> OwnSystem:
     window, eps = default_window(system)
     return replace(OwnSystem(Path("mine.npz"), system, window, eps, ""), **changes)
-
-
-def test_the_window_does_not_depend_on_the_mesh() -> None:
-    # Frequencies and buckling load of four elements are within a per cent of the limit; two digits are kept.
-    coarse, fine = default_window(column(4)), default_window(column(50))
-    np.testing.assert_allclose([*coarse[0], coarse[1]], [*fine[0], fine[1]], rtol=0.1)
-    # Half of what is left of the buckling load, pi^2 / 4, in the softest direction.
-    assert fine[1] == pytest.approx(0.5 * (np.pi**2 / 4 - 1), rel=0.02)
-
-
-def test_rigid_motion_does_not_shrink_the_default_eps() -> None:
-    chain = np.array([[1.0, -1.0, 0.0], [-1.0, 2.0, -1.0], [0.0, -1.0, 1.0]])  # free: one rigid motion
-    system = PeriodicSystem(np.eye(3), 0 * chain, 0 * chain, chain, [np.eye(3)])
-    assert default_window(system)[1] > 0.1
 
 
 def test_modes_far_above_the_window_are_left_out_and_change_no_verdict() -> None:
