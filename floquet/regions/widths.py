@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from floquet.boundary.resonance import Modes, Resonance
+from floquet.boundary.resonance import SLOWEST, Modes, Resonance
 from floquet.engine.coordinates import Subsystem, equations, least_frequency, subsystems
 from periodic import PeriodicSystem
 from periodic.checks import ComplexArray, FloatArray
@@ -66,8 +66,12 @@ class Candidate(NamedTuple):
     balance: float = 1.0
 
 
-def homes(system: PeriodicSystem, modes: Modes) -> list[Home]:
-    """Return the subsystems of a system with their ``modes``."""
+def homes(system: PeriodicSystem, modes: Modes, least: float) -> list[Home]:
+    """Return the subsystems of a system and which of its ``modes`` are theirs; ``least`` is that of `equations`.
+
+    The exponents are those of the subsystem's own equations: what `follow` starts from is what its columns show at
+    eps = 0, to the last bit.
+    """
     parts = subsystems(system)
     shapes = system.mass @ modes.vectors[system.size :]
     inside = np.array([np.linalg.norm(part.basis.T @ shapes, axis=0) for part in parts])
@@ -79,10 +83,13 @@ def homes(system: PeriodicSystem, modes: Modes) -> list[Home]:
     owner[mode] = places[place]
     found = []
     for number, part in enumerate(parts):
-        own = np.flatnonzero(owner == number)
-        none = len(part.K) - len(own)
-        exponents = np.concatenate([np.zeros(none), modes.exponents[own]])
-        found.append(Home(part, exponents, np.concatenate([np.zeros(none, dtype=np.intp), own + 1])))
+        values = np.linalg.eigvals(equations(part, least).A)
+        values = values[values.imag > SLOWEST * part.rate]
+        own = np.flatnonzero(owner == number) + 1
+        count = min(len(values), len(own))  # a mode that hardly oscillates may be found by one of the two alone
+        values, own = values[np.argsort(values.imag)][len(values) - count :], own[len(own) - count :]
+        none = np.zeros(len(part.K) - count, dtype=np.intp)
+        found.append(Home(part, np.concatenate([none, values]), np.concatenate([none, own])))
     return found
 
 
@@ -92,7 +99,7 @@ def candidates(system: PeriodicSystem, modes: Modes, names: Sequence[Resonance],
         return []
     least = least_frequency(min(name.centre for name in names))
     found = []
-    for home in homes(system, modes):
+    for home in homes(system, modes, least):
         own = {number: place for place, number in enumerate(home.numbers.tolist()) if number > 0}
         for j in sorted({name.j for name in names}):
             some = [name for name in names if name.j == j and name.p in own and name.q in own]
