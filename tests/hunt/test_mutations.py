@@ -1,4 +1,4 @@
-"""The tests are tested: each of the faults in `faults.py` must make the tests named with it fail."""
+"""The tests are tested: each of the faults in `tests/hunt/faults/` must make the tests named with it fail."""
 
 from __future__ import annotations
 
@@ -14,7 +14,9 @@ from queue import SimpleQueue
 
 import pytest
 
-from tests.hunt.faults import FAULTS, Fault
+from tests.hunt.fault import Fault
+from tests.hunt.faults import FAULTS
+from tests.hunt.table import PAGE, with_table
 from tests.paths import ROOT
 
 TREE = ("periodic", "plate", "perturb", "floquet", "compare", "scripts", "cases", "tests", "docs", "pyproject.toml")
@@ -22,12 +24,6 @@ WORKERS = 2
 # A fault that makes its tests hang is not caught: whoever makes it would wait.
 SECONDS = 600
 TESTS_FAILED = 1  # pytest's exit status; anything else is no verdict of a test
-
-
-def table() -> str:
-    """Return the table of docs/testing.md."""
-    rows = [f"| {fault.name} | `{fault.file}` | `tests/{fault.tests}` |" for fault in FAULTS]
-    return "\n".join(["| fault | in | caught by |", "|---|---|---|", *rows])
 
 
 def copied(folder: Path) -> Path:
@@ -84,7 +80,8 @@ def test_every_fault_is_where_the_list_says() -> None:
 
 
 def test_the_documentation_has_the_list() -> None:
-    assert table() in (ROOT / "docs" / "testing.md").read_text(encoding="utf-8"), f"docs/testing.md lacks\n{table()}"
+    text = PAGE.read_text(encoding="utf-8")
+    assert text == with_table(text), "docs/testing.md lacks some faults: python -m tests.hunt.faults renews its table"
 
 
 def test_the_list_covers_every_room() -> None:

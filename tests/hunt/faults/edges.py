@@ -1,0 +1,55 @@
+"""Deliberate faults in `floquet/`: boundary and regions."""
+
+from tests.hunt.fault import Fault
+
+FAULTS = (
+    Fault(
+        "tongues as steep as if of first order",
+        "floquet/regions/tongues.py",
+        "self.slope = -candidate.name.j * np.pi * candidate.balance",
+        "self.slope = -np.pi * candidate.balance",
+        "floquet/regions/test_tongues.py",
+    ),
+    Fault(
+        "narrow regions go on within wide ones",
+        "floquet/regions/stretches.py",
+        "met & (home < 0)",
+        "met",
+        "floquet/regions/test_stretches.py",
+    ),
+    Fault(
+        "rounding taken for damping",
+        "floquet/regions/widths.py",
+        "slightest = -NO_DECAY * subsystem.rate",
+        "slightest = 0.0",
+        "floquet/regions/test_widths.py",
+    ),
+    Fault(
+        "instability with a third mode taken for that of two",
+        "floquet/regions/detuning.py",
+        "shift > ALONE * gain",
+        "shift > 1e9",
+        "floquet/regions/test_detuning.py",
+    ),
+    Fault(
+        "lower edge above the upper",
+        "floquet/boundary/boundary.py",
+        "for side in (-1, 1))",
+        "for side in (1, -1))",
+        "floquet/boundary/test_boundary.py",
+    ),
+    Fault(
+        "sum resonances sought as differences",
+        "floquet/boundary/resonance.py",
+        "second.conj() if resonance",
+        "second if resonance",
+        "floquet/boundary/test_boundary.py",
+    ),
+    Fault(
+        "even tongues of the kind of odd ones",
+        "floquet/boundary/resonance.py",
+        "if self.j % 2 == 0",
+        "if self.j % 2 == 1",
+        "floquet/regions/test_regions.py",
+    ),
+)

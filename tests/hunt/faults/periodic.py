@@ -1,0 +1,34 @@
+"""Deliberate faults in `periodic/`."""
+
+from tests.hunt.fault import Fault
+
+FAULTS = (
+    Fault(
+        "G need not be skew-symmetric",
+        "periodic/system.py",
+        "gyroscopic, n), -1)",
+        "gyroscopic, n), 1)",
+        "periodic/test_system.py",
+    ),
+    Fault(
+        "NaN and infinity are accepted",
+        "periodic/checks.py",
+        "if not np.isfinite(array).all():",
+        "if False:",
+        "periodic/test_checks.py",
+    ),
+    Fault(
+        "the rotor misses its centrifugal term",
+        "periodic/examples.py",
+        "np.diag(k - spin * spin)",
+        "np.diag(k)",
+        "periodic/test_examples.py",
+    ),
+    Fault(
+        "the square wave without alternating signs",
+        "periodic/examples.py",
+        "(1 if j % 4 == 1 else -1)",
+        "1",
+        "periodic/test_examples.py",
+    ),
+)
