@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike
 from periodic.checks import FloatArray, one_of, real_array, real_number, whole_number
 from periodic.system import PeriodicSystem
 
-MOST_HARMONICS = 1000
+# Harmonics of Meissner's square wave: the matrices of more would fill the memory of a chart.
+MAX_MEISSNER_HARMONICS = 1000
 
 
 def mathieu(delta: float = 1.0, damping: float = 0.0) -> PeriodicSystem:
@@ -190,7 +191,7 @@ def meissner(delta: float = 1.0, damping: float = 0.0, harmonics: int = 9) -> Pe
     """
     delta = real_number("delta", delta)
     damping = real_number("damping", damping, nonnegative=True)
-    J = whole_number("harmonics", harmonics, least=1, most=MOST_HARMONICS)
+    J = whole_number("harmonics", harmonics, least=1, most=MAX_MEISSNER_HARMONICS)
     cosine = np.zeros((J, 1, 1))
     for j in range(1, J + 1, 2):
         cosine[j - 1] = 4.0 / (math.pi * j) * (1 if j % 4 == 1 else -1)

@@ -10,16 +10,36 @@ from numpy.typing import ArrayLike
 
 from periodic.checks import FloatArray, is_positive_definite, real_array
 
-# Entries that should agree by symmetry may differ by this much of the largest entry: well above what assembling
-# and transforming a matrix in float64 loses, well below any asymmetry that is meant.
+# By how much two entries that should agree by symmetry may differ, in parts of the largest entry. Assembling and
+# transforming a matrix in float64 loses far less; an asymmetry that is meant is far larger.
 SYMMETRY_TOLERANCE = 1e-10
 
 
 class SystemFamily(Protocol):
-    """Anything that gives the `PeriodicSystem` valid at an excitation frequency.
+    """What every method of this house is given: anything with ``at(Omega)``, such as a plate.
 
-    Only ``cosine`` and ``sine`` may depend on ``Omega`` (a plate whose in-plane stress has inertia); mass, gyroscopic,
-    damping and stiffness matrices are the same at every frequency, so that the system has one set of modes.
+    A class that follows these rules is a model; it needs no base class and no registration.
+
+    A model must:
+
+    1. return a `PeriodicSystem` from ``at(Omega)`` for every finite Omega >= 0, the same one, to the last bit, whenever
+       it is asked for the same frequency;
+    2. keep the number of coordinates and of harmonics, and what each coordinate means, at all frequencies;
+    3. keep mass, gyroscopic, damping and stiffness matrices at all frequencies: only ``cosine`` and ``sine`` may depend
+       on Omega, smoothly but at isolated resonances of the excitation. The modes are those of all members;
+    4. keep subsystems apart at all frequencies if it keeps them apart at one (a symmetric load stays symmetric);
+    5. be immutable, and pickle: workers in threads, processes and on other machines call ``at`` at the same time;
+    6. raise ValueError, with argument, value and remedy, where its parameters make no system: when it is made, not when
+       ``at`` is called.
+
+    A model may rely on this:
+
+    7. nobody changes the arrays that it returns; they are read-only;
+    8. ``at`` is called about once for a column of a chart and once for a point of a traced edge, so that it may take as
+       long as integrating one point: milliseconds;
+    9. units are its own. Omega is in the units of sqrt(stiffness / mass), and eps multiplies ``cosine`` and ``sine`` as
+       they stand;
+    10. neither theory nor integration knows anything of it but what ``at`` returns.
     """
 
     def at(self, Omega: float) -> PeriodicSystem:
@@ -31,8 +51,8 @@ class SystemFamily(Protocol):
 class PeriodicSystem:
     """M W'' + (G + C) W' + (K + eps sum_j [F_cj cos(j Omega t) + F_sj sin(j Omega t)]) W = 0.
 
-    The form of eq. (11) of Young, Huang and Chiu; any linear system with periodic stiffness has it.
-    Arrays are copied, checked and made read-only. Any consistent units.
+    The form of eq. (11) of Young, Huang and Chiu; any linear system with periodic stiffness has it. Arrays are copied,
+    checked and made read-only. The units may be any that are consistent.
 
     Parameters
     ----------
@@ -59,7 +79,7 @@ class PeriodicSystem:
     Raises
     ------
     ValueError
-        If a matrix has the wrong shape, type, symmetry or definiteness, or an entry that is not finite.
+        If a matrix has the wrong shape, type or symmetry, mass is not positive definite, or an entry is not finite.
     """
 
     mass: FloatArray
