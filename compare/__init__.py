@@ -1,6 +1,21 @@
-"""Theory against integration: agreement in numbers, overlays in pictures."""
+"""Theory against integration: agreement in numbers, overlays in pictures.
+
+`agreement` traces the two edges of every region by integration and compares them with the analytic curves, on a ladder
+of amplitudes. `overlay` draws both.
+
+>>> from compare import agreement
+>>> from periodic.examples import mathieu
+>>> (region,) = agreement(mathieu(), (1.5, 2.5), n_jobs=1)
+>>> region.label, region.agrees, region.order.round(1).tolist()
+('2ω₁', True, [2.0, 2.0])
+
+The rooms: `compare.study` (cases and users' systems, with a report), `compare.claims` (the paper's claims),
+`compare.explorer` (pages to click in), `compare.files` (what is read and written). `default_window` suggests where to
+look.
+"""
 
 from compare.pictures import overlay
 from compare.verdicts import RegionAgreement, agreement
+from compare.window import default_window
 
-__all__ = ["RegionAgreement", "agreement", "overlay"]
+__all__ = ["RegionAgreement", "agreement", "default_window", "overlay"]

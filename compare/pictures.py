@@ -24,14 +24,15 @@ BLUE, ORANGE, GREEN, PURPLE, GREY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", 
 VARIANT_COLOURS = (BLUE, ORANGE, GREEN, PURPLE)
 # Light means stable; dark means fast growth. Blue only, so that the orange curves stay visible on every shade.
 GROWTH_MAP = "Blues"
-# Labels closer than this would run into each other: the width of a character and the space between two labels.
+# Width of a character and least space between two labels, in points.
 CHARACTER_POINTS, LABEL_GAP_POINTS = 5.6, 8.0
-# A region narrower than this part of the window at the top of it is not seen.
-VISIBLE = 1 / 400
-# Where variants lie on top of each other, each stays visible beside the narrower line of the next.
-LINE_WIDTH, WIDER = 1.4, 1.0
-# Inches that the legend of a picture with a single panel needs.
-LEGEND_WIDTH = 4.8
+# Width at the top of the window, as part of the window, below which a region is not seen.
+MIN_VISIBLE_WIDTH = 1 / 400
+# Width of the line of an edge, in points, and how much wider the line of each earlier variant is, so that it stays
+# visible beneath the next.
+EDGE_LINE_WIDTH, VARIANT_WIDENING = 1.4, 1.0
+# Width that the legend of a picture with a single panel needs, in inches.
+MIN_LEGEND_INCHES = 4.8
 THEORY = "multiple scales"  # in legends
 
 STYLE: dict[Any, Any] = {
@@ -139,12 +140,12 @@ def region_panels(layers: Sequence[Layer], *, title: str = "") -> Figure:
     columns = min(3, len(regions))
     rows = -(-len(regions) // columns)
     with mpl.rc_context(STYLE):
-        figure = new_figure((max(3.2 * columns, LEGEND_WIDTH), 2.6 * rows + 0.9))
+        figure = new_figure((max(3.2 * columns, MIN_LEGEND_INCHES), 2.6 * rows + 0.9))
         for index, (region, axes) in enumerate(
             zip(regions, figure.subplots(rows, columns, squeeze=False).flat, strict=False)
         ):
             shown = [
-                (curve, trace, VARIANT_COLOURS[order], LINE_WIDTH + WIDER * (len(layers) - 1 - order))
+                (curve, trace, VARIANT_COLOURS[order], EDGE_LINE_WIDTH + VARIANT_WIDENING * (len(layers) - 1 - order))
                 for order, layer in enumerate(layers)
                 for curve, trace in layer.panels
                 if _region(curve) == region
@@ -153,7 +154,7 @@ def region_panels(layers: Sequence[Layer], *, title: str = "") -> Figure:
             for curve, trace, colour, width in shown:
                 draw_traces(axes, [trace], "black" if alone else colour, width, fill=True)
                 if alone:
-                    draw_curves(axes, [curve], trace.eps[-1], ORANGE, LINE_WIDTH)
+                    draw_curves(axes, [curve], trace.eps[-1], ORANGE, EDGE_LINE_WIDTH)
                 elif trace.is_open.any():
                     draw_curves(axes, [curve], trace.eps[-1], "black", 0.9)
                 else:  # nothing of its own colour to lie on
@@ -220,7 +221,7 @@ def _variant_handles(layers: Sequence[Layer]) -> list[Line2D | Patch]:
     """Return the entries column by column: variants in the first row, kinds of line in the second."""
     named = [Patch(color=colour, label=layer.label) for layer, colour in zip(layers, VARIANT_COLOURS, strict=False)]
     lines = [
-        Line2D([], [], color=GREY, lw=LINE_WIDTH + WIDER, label="Floquet boundary (traced)"),
+        Line2D([], [], color=GREY, lw=EDGE_LINE_WIDTH + VARIANT_WIDENING, label="Floquet boundary (traced)"),
         Line2D([], [], color="black", lw=0.9, ls=(0, (4, 2)), label=THEORY),
     ]
     return [handle for pair in zip_longest(named, lines) for handle in pair if handle is not None]
@@ -253,7 +254,11 @@ def draw_growth(axes: Axes, chart: StabilityChart | None, *, colour_bar: bool = 
 
 
 def draw_traces(
-    axes: Axes, traces: Sequence[BoundaryTrace], colour: str = "black", width: float = LINE_WIDTH, fill: bool = False
+    axes: Axes,
+    traces: Sequence[BoundaryTrace],
+    colour: str = "black",
+    width: float = EDGE_LINE_WIDTH,
+    fill: bool = False,
 ) -> None:
     """Draw the edges found by integration as solid lines, the region between them shaded on request.
 
@@ -282,7 +287,7 @@ def draw_traces(
 
 
 def draw_curves(
-    axes: Axes, curves: Sequence[TransitionCurve], eps_max: float, colour: str = ORANGE, width: float = LINE_WIDTH
+    axes: Axes, curves: Sequence[TransitionCurve], eps_max: float, colour: str = ORANGE, width: float = EDGE_LINE_WIDTH
 ) -> None:
     """Draw the analytic transition curves as dashed lines."""
     for curve in curves:
@@ -335,14 +340,14 @@ def _where_seen(curve: TransitionCurve, low: float, high: float, eps_max: float)
         return curve.centre
     lower, upper = curve.edges(eps_max)
     left, right = max(float(lower), low), min(float(upper), high)
-    return (left + right) / 2 if right - left > VISIBLE * (high - low) else float("nan")
+    return (left + right) / 2 if right - left > MIN_VISIBLE_WIDTH * (high - low) else float("nan")
 
 
 def _is_visible(axes: Axes, curve: TransitionCurve, eps_max: float) -> bool:
     """Whether the region is wide enough to be seen."""
     low, high = axes.get_xlim()
     lower, upper = curve.edges(eps_max)
-    return bool(upper - lower > VISIBLE * (high - low))
+    return bool(upper - lower > MIN_VISIBLE_WIDTH * (high - low))
 
 
 def _spread(wanted: Sequence[float], spacing: float, room: float) -> list[float]:
@@ -373,7 +378,7 @@ def legend_handles(chart: StabilityChart | None, *, traced: bool, theory: bool =
         if (chart.kind == Kind.UNDECIDED).any():
             handles.append(Patch(color=mpl.colormaps["Greys"](0.5), label="undecided"))
     if traced:
-        handles.append(Line2D([], [], color="black", lw=LINE_WIDTH, label="Floquet boundary (traced)"))
+        handles.append(Line2D([], [], color="black", lw=EDGE_LINE_WIDTH, label="Floquet boundary (traced)"))
     if theory:
-        handles.append(Line2D([], [], color=ORANGE, lw=LINE_WIDTH, ls=(0, (4, 2)), label=THEORY))
+        handles.append(Line2D([], [], color=ORANGE, lw=EDGE_LINE_WIDTH, ls=(0, (4, 2)), label=THEORY))
     return handles

@@ -25,13 +25,14 @@ from perturb import TransitionCurve, transition_curves
 # Rungs double, so that two neighbours give a local order; the smallest keeps the gap of a second-order edge far above
 # the tracing error of 1e-9, the largest is still small against the distance of neighbouring regions.
 DEFAULT_LADDER = (0.0125, 0.025, 0.05, 0.1)
-# How far the fitted order may fall short of the expected one: what the next term of the expansion leaves on rungs
-# that have not quite reached the limit.
+# How far the fitted order may fall short of the expected one: the next term of the expansion still counts on rungs as
+# large as these.
 ORDER_TOLERANCE = 0.15
-# Part of a gap, over eps^order, that may be left at eps = 0: what the polynomial through the rungs is off by.
-REMAINDER = 0.02
-# Edges closer than this part of the frequency are one edge: ten times what tracing resolves.
-RESOLUTION = 1e-8
+# Largest value at eps = 0 of a gap over eps^order, as part of its largest value on the ladder: the error of the
+# polynomial through the rungs.
+MAX_REMAINDER = 0.02
+# Distance below which two edges are one, as part of the frequency: ten times what tracing resolves.
+EDGE_RESOLUTION = 1e-8
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,11 +183,11 @@ def _judge(rungs: list[_DampingScaled], curves: list[TransitionCurve], eps: Floa
     gap = np.abs(traced - analytic)
     width, traced_width = analytic[1] - analytic[0], traced[1] - traced[0]
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.where(width > RESOLUTION * last.centre, traced_width / width, np.nan)
+        ratio = np.where(width > EDGE_RESOLUTION * last.centre, traced_width / width, np.nan)
     fitted = np.array([fitted_order(eps, edge) for edge in gap])
     agrees, reason = False, _trouble(traces, eps)
     if not reason:
-        agrees, reason = _verdict(eps, analytic, traced, fitted, order, RESOLUTION * last.centre)
+        agrees, reason = _verdict(eps, analytic, traced, fitted, order, EDGE_RESOLUTION * last.centre)
     return RegionAgreement(
         label=last.label,
         type=last.type,
@@ -257,7 +258,7 @@ def vanishes(eps: FloatArray, difference: FloatArray, order: int, resolution: fl
         return False
     others = [np.delete(eps, k) for k in range(eps.size)]
     weights = np.array([np.prod(rest / (rest - e)) for e, rest in zip(eps, others, strict=True)])  # Lagrange's, at 0
-    allowed = REMAINDER * np.abs(quotient).max() + resolution * np.abs(weights / eps**order).sum()
+    allowed = MAX_REMAINDER * np.abs(quotient).max() + resolution * np.abs(weights / eps**order).sum()
     return bool(abs(weights @ quotient) <= allowed)
 
 

@@ -22,7 +22,7 @@ from compare.explorer.sweep_picture import sweep_picture
 from compare.explorer.variation import SWEEPABLE, plate_table
 from compare.files.cases import STANDARD_REGIONS, Plate, load_case
 from compare.files.publish import staged
-from compare.study.own_system import own_system
+from compare.study import own_system
 from compare.window import default_window
 from floquet.chart.checkpoint import TileStore
 from floquet_scripts import running

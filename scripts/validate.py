@@ -11,9 +11,7 @@ from pathlib import Path
 from compare.claims import ClaimVerdict, judge_claims
 from compare.files.cases import load_case, shipped_cases
 from compare.files.publish import staged
-from compare.study.own_system import POINTS, own_system, system_subject
-from compare.study.report import write_report
-from compare.study.study import CaseStudy, Subject, run_case
+from compare.study import CHART_POINTS, Study, Subject, own_system, run_study, system_subject, write_report
 from compare.window import MODES_SHOWN
 from floquet.chart.checkpoint import TileStore
 from floquet_scripts import running
@@ -86,7 +84,7 @@ def _subjects(options: argparse.Namespace) -> list[Subject]:
     for path in options.system:
         own = own_system(path, options.Omega, options.eps, all_modes=options.all_modes)
         modes = MODES_SHOWN if options.modes is None else options.modes
-        subjects.append(system_subject(own, points=options.points or POINTS, modes=modes))
+        subjects.append(system_subject(own, points=options.points or CHART_POINTS, modes=modes))
     names = [subject.name for subject in subjects]
     for name in names:
         if names.count(name) > 1:
@@ -106,10 +104,10 @@ def _validate(subjects: list[Subject], options: argparse.Namespace, store: TileS
     return 0 if all(study.agrees for study in studies) and all(claim.is_decided for claim in claims) else 1
 
 
-def _study(subject: Subject, options: argparse.Namespace, store: TileStore) -> CaseStudy:
+def _study(subject: Subject, options: argparse.Namespace, store: TileStore) -> Study:
     progress = not options.no_progress
     try:
-        study = run_case(subject, n_jobs=options.jobs, quick=options.quick, progress=progress, cache=store)
+        study = run_study(subject, n_jobs=options.jobs, quick=options.quick, progress=progress, cache=store)
     except ValueError as error:
         raise ValueError(f"{subject.title}: {error}") from None
     print(f"\n{subject.title}")

@@ -13,11 +13,11 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 from compare.claims import ClaimVerdict
 from compare.claims.evidence import Traced
 from compare.claims.quantities import Measured
-from compare.study.study import CaseStudy, VariantStudy
-from compare.study.validity import validity
+from compare.study.limits import validity
+from compare.study.study import Study, SystemStudy
 
-# How far first order may be off where the report still says that it holds.
-VALIDITY_TOLERANCE = 0.05
+# Largest deviation of an edge of first order, as part of the traced width, where the report says that it holds.
+REPORTED_TOLERANCE = 0.05
 
 
 @dataclass(frozen=True)
@@ -38,20 +38,20 @@ class Picture:
     data: str
 
 
-def write_report(studies: Sequence[CaseStudy], claims: Sequence[ClaimVerdict], folder: str | Path) -> None:
+def write_report(studies: Sequence[Study], claims: Sequence[ClaimVerdict], folder: str | Path) -> None:
     """Write report.html, report.md and every picture (PNG and PDF) into a folder.
 
     Parameters
     ----------
-    studies : sequence of CaseStudy
-        The cases, from `compare.study.study.run_case`.
+    studies : sequence of Study
+        The cases, from `compare.study.study.run_study`.
     claims : sequence of ClaimVerdict
         From `compare.claims.judge_claims`; may be empty.
     folder : str or Path
         Must exist. report.html needs no other file.
     """
     folder = Path(folder)
-    pictures = {study.case.name: _save_pictures(study, folder) for study in studies}
+    pictures = {study.subject.name: _save_pictures(study, folder) for study in studies}
     environment = Environment(
         loader=PackageLoader("compare.study"),
         autoescape=select_autoescape(("html",)),
@@ -69,20 +69,20 @@ def write_report(studies: Sequence[CaseStudy], claims: Sequence[ClaimVerdict], f
         "judged": len(regions),
         "agreeing": sum(verdict.agrees for verdict in regions),
         "failed_charts": sum(not variant.passed_audit for study in studies for variant in study.variants),
-        "tolerance": VALIDITY_TOLERANCE,
+        "tolerance": REPORTED_TOLERANCE,
     }
     for name in ("report.html", "report.md"):
         text = environment.get_template(name).render(facts)
         (folder / name).write_text(text, encoding="utf-8")
 
 
-def _save_pictures(study: CaseStudy, folder: Path) -> list[Picture]:
+def _save_pictures(study: Study, folder: Path) -> list[Picture]:
     captions = {"regions": "Region by region"}
     for variant, name in zip(study.variants, study.chart_names, strict=True):
         captions[name] = f"Chart: {variant.label}" if variant.label else "Chart"
     pictures = []
     for name, figure in study.figures().items():
-        path = folder / f"{study.case.name}-{name}.png"
+        path = folder / f"{study.subject.name}-{name}.png"
         figure.savefig(path)
         figure.savefig(path.with_suffix(".pdf"))
         data = base64.b64encode(path.read_bytes()).decode("ascii")
@@ -122,11 +122,11 @@ def _status(check: Traced) -> str:
     return "holds" if check.holds else "contradicted"
 
 
-def _holds_to(variant: VariantStudy, label: str) -> str:
+def _holds_to(variant: SystemStudy, label: str) -> str:
     """Return where first order holds for a region, if its boundary was traced."""
     for curve, trace in variant.panels:
         if curve.label == label and trace.is_open.any():
-            found = validity(curve, trace, (VALIDITY_TOLERANCE,))[0]
+            found = validity(curve, trace, (REPORTED_TOLERANCE,))[0]
             if math.isnan(found.last):
                 return "nowhere"
             start = f"{found.first:.2g} " if found.first > 0 else ""

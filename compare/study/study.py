@@ -1,4 +1,4 @@
-"""From a case, or from anybody's system, to pictures: charts, curves, traced boundaries and verdicts."""
+"""The study of a subject: charts, analytic curves, traced boundaries and verdicts, and pictures of them."""
 
 from __future__ import annotations
 
@@ -22,13 +22,14 @@ from periodic import SystemFamily
 from periodic.checks import FloatArray
 from perturb import TransitionCurve, transition_curves
 
-# A traced boundary is smooth but where it meets another: this many points along eps draw it without corners.
+# Number of eps at which a boundary is traced for a picture. A boundary is smooth except where it meets another one, so
+# that these draw it without corners.
 TRACE_POINTS = 12
-# Regions that start beyond the window by this part may reach into it.
-MARGIN = 0.1
-# As many panels as fit on a page.
-MOST_PANELS = 6
-# --quick: enough to see that the line runs from plate to picture.
+# Part of an end of the window by which a region may start beyond it and still be drawn: it may lean into the window.
+WINDOW_MARGIN = 0.1
+# Number of panels that fit on a page.
+MAX_PANELS = 6
+# Columns and rows of a chart, and number of eps of a traced boundary, of a quick study: enough for a first look.
 QUICK_POINTS = (96, 48)
 QUICK_TRACE_POINTS = 5
 
@@ -87,28 +88,28 @@ class Subject:
             inside = [c for c in curves if low < c.centre < high and max(c.p, c.q) <= self.modes]
             widths = {curve: float(np.subtract(*reversed(curve.edges(self.eps)))) for curve in inside}
             widest = sorted((curve for curve in inside if widths[curve] > 0), key=lambda curve: -widths[curve])
-            return sorted(widest[:MOST_PANELS], key=lambda curve: curve.centre)
+            return sorted(widest[:MAX_PANELS], key=lambda curve: curve.centre)
         wanted = [{*pair} for pair in self.pairs]
         shown = [curve for curve in curves if curve.type == "sum" and curve.j == 1 and {curve.p, curve.q} in wanted]
         return sorted(shown, key=lambda curve: wanted.index({curve.p, curve.q}))
 
 
 @dataclass(frozen=True, eq=False)
-class VariantStudy:
-    """Everything computed for one system of a case.
+class SystemStudy:
+    """Everything computed for one system of a subject.
 
     Attributes
     ----------
     label : str
-        The variant's name; empty where a case has only one.
+        Name of the system; empty where the subject has only one.
     chart : StabilityChart
         The wide chart.
     curves : list of TransitionCurve
         Every analytic region that starts in the window or next to it.
     panels : list of (TransitionCurve, BoundaryTrace)
-        Theory and integration for the regions that the case looks at closely, in the case's order.
+        Theory and integration for the regions that the subject looks at closely, in its order.
     verdicts : list of RegionAgreement
-        Theory against integration for every region of the case's modes in the window.
+        Theory against integration for every region of the subject's modes in the window.
     """
 
     label: str
@@ -130,11 +131,11 @@ class VariantStudy:
 
 
 @dataclass(frozen=True, eq=False)
-class CaseStudy:
-    """A subject and what was computed for its variants."""
+class Study:
+    """A subject and what was computed for each of its systems."""
 
-    case: Subject
-    variants: list[VariantStudy]
+    subject: Subject
+    variants: list[SystemStudy]
 
     @property
     def agrees(self) -> bool:
@@ -149,9 +150,9 @@ class CaseStudy:
     def to_dict(self) -> dict[str, Any]:
         """Return plain numbers and strings, fit for JSON."""
         return {
-            "case": self.case.name,
-            "title": self.case.title,
-            "remark": self.case.remark,
+            "case": self.subject.name,
+            "title": self.subject.title,
+            "remark": self.subject.remark,
             "agrees": self.agrees,
             "variants": [
                 {
@@ -164,32 +165,32 @@ class CaseStudy:
         }
 
     def figures(self) -> dict[str, Figure]:
-        """Return the case's pictures by name."""
+        """Return the pictures of the subject by name."""
         layers = [Layer(variant.label, variant.chart, variant.panels) for variant in self.variants]
-        draw = region_panels if self.case.compare == "within" else variant_panels
+        draw = region_panels if self.subject.compare == "within" else variant_panels
         looked_at = any(variant.panels for variant in self.variants)
-        pictures = {"regions": draw(layers, title=self.case.title)} if looked_at else {}
+        pictures = {"regions": draw(layers, title=self.subject.title)} if looked_at else {}
         for variant, name in zip(self.variants, self.chart_names, strict=True):
-            title = "\n".join(filter(None, (self.case.title, variant.label)))
+            title = "\n".join(filter(None, (self.subject.title, variant.label)))
             traces = [trace for _, trace in variant.panels]
             pictures[name] = overlay(variant.chart, variant.curves, traces, title=title)
         return pictures
 
 
-def run_case(
-    case: Case | Subject,
+def run_study(
+    subject: Subject,
     *,
     n_jobs: int = -1,
     quick: bool = False,
     progress: bool = False,
     cache: str | os.PathLike[str] | TileStore | None = None,
-) -> CaseStudy:
-    """Compute a case.
+) -> Study:
+    """Compute charts, curves, traced boundaries and verdicts for every system of a subject.
 
     Parameters
     ----------
-    case : Case or Subject
-        From `compare.files.cases.load_case` or `compare.study.own_system.system_subject`.
+    subject : Subject
+        From `Subject.of_case` or `system_subject`.
     n_jobs : int
         Workers, as in joblib; -1 for all cores.
     quick : bool
@@ -201,21 +202,20 @@ def run_case(
 
     Returns
     -------
-    CaseStudy
+    Study
 
     Raises
     ------
     ValueError
-        If a system of the case cannot be analysed, for instance above its divergence speed, or none of its regions
+        If a system cannot be analysed, for instance above its divergence speed, or none of its regions
         starts in the window.
     """
-    subject = Subject.of_case(case) if isinstance(case, Case) else case
     with single_blas_thread():  # the matrices are small: threads of BLAS would only fight
         variants = [
             _run_variant(subject, label, family, n_jobs, quick, progress, cache)
             for label, family in subject.systems.items()
         ]
-    return CaseStudy(subject, variants)
+    return Study(subject, variants)
 
 
 def _run_variant(
@@ -226,10 +226,10 @@ def _run_variant(
     quick: bool,
     progress: bool,
     cache: str | os.PathLike[str] | TileStore | None,
-) -> VariantStudy:
+) -> SystemStudy:
     window, eps_max = subject.window, subject.eps
     columns, rows = QUICK_POINTS if quick else subject.points
-    curves = transition_curves(family, ((1 - MARGIN) * window[0], (1 + MARGIN) * window[1]))
+    curves = transition_curves(family, ((1 - WINDOW_MARGIN) * window[0], (1 + WINDOW_MARGIN) * window[1]))
     if not any(window[0] <= curve.centre <= window[1] and max(curve.p, curve.q) <= subject.modes for curve in curves):
         raise ValueError(
             f"none of the regions between the {subject.modes} lowest modes starts in the window, Omega from "
@@ -250,7 +250,7 @@ def _run_variant(
     with tqdm(desc="traces", total=len(tasks), unit="region", disable=not progress) as bar:
         traces = gather(traced_curve, tasks, n_jobs, bar)
     panels = [(curve, trace) for curve, trace in zip(shown, traces, strict=True) if trace is not None]
-    return VariantStudy(label, chart, curves, panels, verdicts)
+    return SystemStudy(label, chart, curves, panels, verdicts)
 
 
 def _ladder(curve: TransitionCurve, eps_max: float, points: int) -> FloatArray:

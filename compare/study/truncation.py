@@ -1,4 +1,4 @@
-"""Large models by their lowest modes: the fast ones cost most, and hardly matter to the slow ones."""
+"""Large models in their lowest modes: the fast modes cost most and hardly matter to the slow ones."""
 
 from __future__ import annotations
 
@@ -7,22 +7,23 @@ import scipy.linalg as sla
 
 from periodic import PeriodicSystem
 from periodic.checks import FloatArray
+from periodic.system import SYMMETRY_TOLERANCE
 from perturb import transition_curves
 
-# Up to so many coordinates a system is integrated as it is. With 40 of a finite-element beam, tracing the boundaries
-# of its three lowest modes takes minutes; with 100 it is out of reach.
-MOST_WHOLE = 24
-# Modes up to so many times the highest excitation frequency are kept. What the others add to an edge is of second
-# order in eps, and falls with the square of this.
-REACH = 8.0
+# Number of coordinates up to which a system is integrated as it is. With 40 coordinates of a finite-element beam,
+# tracing the boundaries of its three lowest modes takes minutes; with 100 it is out of reach.
+MAX_WHOLE_SIZE = 24
+# Natural frequency of the highest mode that is kept, over the highest excitation frequency. What the modes beyond add
+# to an edge is of second order in eps, and falls with the square of this ratio.
+MAX_MODE_OVER_OMEGA = 8.0
 
 
 def lowest_modes(system: PeriodicSystem, Omega_range: tuple[float, float], eps: float) -> tuple[PeriodicSystem, str]:
     """Return a large system in its lowest modes, and a sentence that says what was left out and what that changes.
 
-    The modes are those of mass and stiffness alone, up to `REACH` times the window's upper end. The system itself and
-    no words are returned if it has at most `MOST_WHOLE` coordinates, if no mode is beyond, or if its stiffness is not
-    symmetric positive definite.
+    The modes are those of mass and stiffness alone, with natural frequencies up to `MAX_MODE_OVER_OMEGA` times the
+    upper end of the window. The system is returned as it is, with an empty sentence, if it has at most
+    `MAX_WHOLE_SIZE` coordinates, if no mode lies beyond, or if its stiffness is not symmetric positive definite.
 
     Parameters
     ----------
@@ -33,10 +34,10 @@ def lowest_modes(system: PeriodicSystem, Omega_range: tuple[float, float], eps: 
         Amplitude at which the change of the analytic edges is given.
     """
     K = system.stiffness
-    if system.size <= MOST_WHOLE or np.abs(K - K.T).max() > 1e-10 * np.abs(K).max():
+    if system.size <= MAX_WHOLE_SIZE or np.abs(K - K.T).max() > SYMMETRY_TOLERANCE * np.abs(K).max():
         return system, ""
     squares, modes = sla.eigh((K + K.T) / 2, system.mass)
-    kept = int((squares <= (REACH * Omega_range[1]) ** 2).sum())
+    kept = int((squares <= (MAX_MODE_OVER_OMEGA * Omega_range[1]) ** 2).sum())
     if squares[0] <= 0 or not 0 < kept < system.size:
         return system, ""
     V = modes[:, :kept]

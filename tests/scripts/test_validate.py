@@ -73,12 +73,12 @@ def test_a_failure_leaves_the_old_output_whole(case: Path, tmp_path: Path, monke
     output = tmp_path / "out"
     output.mkdir()
     (output / "agreement.json").write_text("old")
-    from compare.study.study import CaseStudy
+    from compare.study import Study
 
-    def fail(self: CaseStudy) -> None:
+    def fail(self: Study) -> None:
         raise RuntimeError("the disk is on fire")
 
-    monkeypatch.setattr(CaseStudy, "figures", fail)
+    monkeypatch.setattr(Study, "figures", fail)
     with pytest.raises(RuntimeError):
         main(["--case", str(case), "--output", str(output), "--no-progress", "--quick"])
     assert [(path.name, path.read_text()) for path in output.iterdir() if path.is_file()] == [("agreement.json", "old")]

@@ -14,8 +14,8 @@ import pytest
 from compare.claims.evidence import ClaimVerdict, Finding, judged
 from compare.claims.quantities import Measured, Quantity
 from compare.files.cases import load_case
-from compare.study.report import _measured, write_report
-from compare.study.study import CaseStudy, run_case
+from compare.study import Study, Subject, run_study, write_report
+from compare.study.report import _measured
 from tests.small_case import SMALL_CASE, TITLE
 
 VARIANTS = """
@@ -51,11 +51,11 @@ class Page(HTMLParser):
 
 
 @pytest.fixture(scope="module")
-def study(tmp_path_factory: pytest.TempPathFactory) -> CaseStudy:
+def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
     path = tmp_path_factory.mktemp("cases") / "two plates.toml"
     case = SMALL_CASE.replace(TITLE, "Plates <b>& pipes | bars</b>")
     path.write_text(case + VARIANTS, encoding="utf-8")
-    return run_case(load_case(path), n_jobs=1, quick=True)
+    return run_study(Subject.of_case(load_case(path)), n_jobs=1, quick=True)
 
 
 @pytest.fixture(scope="module")
@@ -71,7 +71,7 @@ def claims() -> list[ClaimVerdict]:
 
 
 @pytest.fixture(scope="module")
-def folder(study: CaseStudy, claims: list[ClaimVerdict], tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(study: Study, claims: list[ClaimVerdict], tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("report")
     write_report([study], claims, folder)
     return folder
@@ -110,7 +110,7 @@ def test_the_markdown_links_every_picture(folder: Path) -> None:
     assert {path.stem for path in folder.glob("*.pdf")} == {path.stem for path in folder.glob("*.png")}
 
 
-def test_every_region_and_claim_is_in_both(folder: Path, study: CaseStudy) -> None:
+def test_every_region_and_claim_is_in_both(folder: Path, study: Study) -> None:
     texts = [_page(folder).text, (folder / "report.md").read_text(encoding="utf-8")]
     for text in texts:
         for variant in study.variants:
@@ -145,13 +145,13 @@ def test_a_measured_number_shows_the_digits_that_its_error_allows() -> None:
     assert _measured(Measured(0.0, 1e-7)) == "0"
 
 
-def test_a_report_without_claims_has_no_such_section(study: CaseStudy, tmp_path: Path) -> None:
+def test_a_report_without_claims_has_no_such_section(study: Study, tmp_path: Path) -> None:
     write_report([study], [], tmp_path)
     for name in ("report.html", "report.md"):
         assert "claims" not in (tmp_path / name).read_text(encoding="utf-8")
 
 
-def test_a_chart_that_failed_its_audit_is_a_disagreement(study: CaseStudy, tmp_path: Path) -> None:
+def test_a_chart_that_failed_its_audit_is_a_disagreement(study: Study, tmp_path: Path) -> None:
     assert study.agrees
     variant = study.variants[0]
     assert variant.chart.audit is not None

@@ -11,7 +11,8 @@ from floquet import BoundaryTrace
 from periodic.checks import FloatArray, real_number
 from perturb import TransitionCurve
 
-TOLERANCES = (0.01, 0.05, 0.10)
+# Largest deviation of an edge, as part of the traced width, up to which a theory is said to hold.
+VALIDITY_TOLERANCES = (0.01, 0.05, 0.10)
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,9 @@ class Validity:
         return f"{name} order holds {start}to eps = {end} ({self.tolerance:.0%})"
 
 
-def validity(curve: TransitionCurve, trace: BoundaryTrace, tolerances: Sequence[float] = TOLERANCES) -> list[Validity]:
+def validity(
+    curve: TransitionCurve, trace: BoundaryTrace, tolerances: Sequence[float] = VALIDITY_TOLERANCES
+) -> list[Validity]:
     """Return where ``curve`` stays within each tolerance of the traced region.
 
     Parameters

@@ -1,4 +1,4 @@
-"""Anybody's matrices as the subject of a study: which window, which regions, and how large an eps is small."""
+"""The matrices of a user as the subject of a study: the window, the regions, and how large an eps is small."""
 
 from __future__ import annotations
 
@@ -18,10 +18,11 @@ from periodic.system import SYMMETRY_TOLERANCE
 from perturb import gyroscopic_modes, transition_curves
 
 # Amplitudes at which theory and integration are compared, as parts of the default eps. On random systems of one to six
-# coordinates regions still run into each other at a quarter of it, which first order cannot know; at these, of 140
-# systems with 1,384 regions none disagreed but undamped ones under unsymmetric excitation.
-LADDER = (1 / 512, 1 / 256, 1 / 128, 1 / 64)
-POINTS = (256, 128)
+# coordinates, regions run into each other at a quarter of that eps, which first order cannot know. At these amplitudes,
+# of 140 systems with 1,384 regions none disagreed but undamped ones under unsymmetric excitation.
+LADDER_PARTS = (1 / 512, 1 / 256, 1 / 128, 1 / 64)
+# Columns and rows of the chart.
+CHART_POINTS = (256, 128)
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,11 +86,11 @@ def own_system(
     return OwnSystem(path, small, window, eps, remark)
 
 
-def system_subject(own: OwnSystem, *, points: tuple[int, int] = POINTS, modes: int = MODES_SHOWN) -> Subject:
-    """Return a system as a subject that `compare.study.study.run_case` takes.
+def system_subject(own: OwnSystem, *, points: tuple[int, int] = CHART_POINTS, modes: int = MODES_SHOWN) -> Subject:
+    """Return a system as a subject of `run_study`.
 
     Judged are the regions between its ``modes`` lowest modes. A theory for small eps is held to small eps: to a 64th of
-    the default one at most (`LADDER`).
+    the default one at most (`LADDER_PARTS`).
 
     Raises
     ------
@@ -102,7 +103,7 @@ def system_subject(own: OwnSystem, *, points: tuple[int, int] = POINTS, modes: i
     try:
         found = gyroscopic_modes(own.system)
         curves = transition_curves(own.system, own.window)
-        small = min(own.eps / LADDER[-1], default_window(own.system)[1])
+        small = min(own.eps / LADDER_PARTS[-1], default_window(own.system)[1])
     except ValueError as error:
         field = str(error).partition(" ")[0]
         name = f"{FIELDS[field]} ({field})" if field in FIELDS else "the system"
@@ -130,7 +131,7 @@ def system_subject(own: OwnSystem, *, points: tuple[int, int] = POINTS, modes: i
         eps=own.eps,
         points=(columns, rows),
         modes=modes,
-        ladder=tuple(small * rung for rung in LADDER),
+        ladder=tuple(small * rung for rung in LADDER_PARTS),
         remark=" ".join(filter(None, remarks)),
     )
 

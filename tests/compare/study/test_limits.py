@@ -7,8 +7,8 @@ import pytest
 from scipy.optimize import brentq
 from scipy.special import mathieu_a, mathieu_b
 
-from compare.study.validity import validity
-from floquet import trace_boundary
+from compare.study import validity
+from floquet import BoundaryTrace, trace_boundary
 from periodic.examples import mathieu
 from perturb import transition_curves
 
@@ -23,12 +23,12 @@ def _exact_edges(eps: float) -> tuple[float, float]:
 
 
 @pytest.fixture(scope="module")
-def trace():
+def trace() -> BoundaryTrace:
     return trace_boundary(mathieu(), 2.0, EPS)
 
 
 @pytest.mark.parametrize("order", [1, 2])
-def test_limits_are_where_the_exact_edge_leaves_the_curve(trace, order: int) -> None:
+def test_limits_are_where_the_exact_edge_leaves_the_curve(trace: BoundaryTrace, order: int) -> None:
     (curve,) = [c for c in transition_curves(mathieu(), (1.9, 2.1), order=order) if c.j == 1]
 
     def deviation(eps: float) -> float:
@@ -44,7 +44,7 @@ def test_limits_are_where_the_exact_edge_leaves_the_curve(trace, order: int) -> 
         assert limit.first == 0
 
 
-def test_second_order_reaches_further_than_first(trace) -> None:
+def test_second_order_reaches_further_than_first(trace: BoundaryTrace) -> None:
     first, second = (
         validity(next(c for c in transition_curves(mathieu(), (1.9, 2.1), order=m) if c.j == 1), trace) for m in (1, 2)
     )
@@ -70,7 +70,7 @@ def test_a_closed_region_holds_nowhere() -> None:
     assert "nowhere" in str(limit)
 
 
-def test_bad_tolerances_are_refused(trace) -> None:
+def test_bad_tolerances_are_refused(trace: BoundaryTrace) -> None:
     (curve,) = transition_curves(mathieu(), (1.9, 2.1))
     with pytest.raises(ValueError, match="tolerances"):
         validity(curve, trace, (0.0,))

@@ -9,12 +9,8 @@ import numpy as np
 import pytest
 
 from compare.files.matrices import save_system
-from compare.study import truncation
-from compare.study.own_system import OwnSystem, own_system, system_subject
-from compare.study.study import run_case
-from compare.study.truncation import MOST_WHOLE, REACH, lowest_modes
+from compare.study import OwnSystem, own_system, run_study, system_subject
 from compare.window import default_window
-from floquet import Kind, stability_chart
 from periodic import PeriodicSystem
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu
 from tests.finite_elements import column
@@ -25,67 +21,13 @@ def _own(system: PeriodicSystem, **changes: object) -> OwnSystem:
     return replace(OwnSystem(Path("mine.npz"), system, window, eps, ""), **changes)
 
 
-def test_modes_far_above_the_window_are_left_out_and_change_no_verdict() -> None:
-    system = column(20)
-    window, eps = default_window(system)
-    small, remark = lowest_modes(system, window, eps)
-    assert small.size < 0.5 * system.size
-    assert f"the {small.size} lowest of 40 modes" in remark
-    frequencies = np.sqrt(np.diag(small.stiffness))
-    assert frequencies.max() <= REACH * window[1]
-    grid = np.linspace(*window, 24), np.linspace(0, eps, 12)
-    a, b = (stability_chart(s, *grid, progress=False, audit=0) for s in (system, small))
-    decided = (a.kind != Kind.UNDECIDED) & (b.kind != Kind.UNDECIDED)
-    assert decided.mean() > 0.9
-    np.testing.assert_array_equal(a.kind[decided] > Kind.STABLE, b.kind[decided] > Kind.STABLE)
-
-
-def test_what_leaving_out_changes_falls_as_more_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
-    # At a small eps: at a large one second-order theory takes more and more neighbours together as modes are added.
-    system, eps = column(20), 0.05
-    window, _ = default_window(system)
-    kept, changes = [], []
-    for reach in (1.5, 4.0, 12.0):
-        monkeypatch.setattr(truncation, "REACH", reach)
-        small, remark = lowest_modes(system, window, eps)
-        kept.append(small.size)
-        changes.append(float(remark.split(" of their frequency")[0].split()[-1]))
-    assert kept[0] < kept[1] < kept[2]
-    assert changes[0] > changes[1] > changes[2] > 0
-
-
-def test_a_model_without_theory_is_reduced_all_the_same() -> None:
-    # A damper that feeds energy into the second mode: no theory says what leaving out changes.
-    system = column(20)
-    window, eps = default_window(system)
-    shape = np.linalg.eigh(system.stiffness)[1][:, :1]
-    driven = replace(system, damping=-shape @ shape.T)
-    small, remark = lowest_modes(driven, window, eps)
-    assert 0 < small.size < driven.size
-    assert remark == f"Integrated are the {small.size} lowest of 40 modes."
-
-
-@pytest.mark.parametrize(
-    "system",
-    [
-        column(MOST_WHOLE // 2),
-        coupled_mathieu(),
-        PeriodicSystem(np.eye(30), np.zeros((30, 30)), np.zeros((30, 30)), -np.eye(30), [np.eye(30)]),
-        PeriodicSystem(np.eye(30), np.zeros((30, 30)), np.zeros((30, 30)), np.diag(np.arange(1.0, 31)), [np.eye(30)]),
-    ],
-    ids=["small", "tiny", "unstable", "all modes slow"],
-)
-def test_what_need_not_be_left_out_is_kept(system: PeriodicSystem) -> None:
-    assert lowest_modes(system, (1.0, 20.0), 0.1) == (system, "")
-
-
 @pytest.mark.parametrize(
     "system",
     [mathieu(1.0), mathieu(1.0, damping=0.02), coupled_mathieu(), gyroscopic_rotor(), column(3)],
     ids=["mathieu", "damped", "pair", "rotor", "column"],
 )
 def test_theory_and_integration_agree(system: PeriodicSystem) -> None:
-    study = run_case(system_subject(_own(system), points=(16, 8)), n_jobs=1, quick=True)
+    study = run_study(system_subject(_own(system), points=(16, 8)), n_jobs=1, quick=True)
     assert study.variants[0].verdicts
     assert study.agrees, [verdict.reason for verdict in study.variants[0].verdicts]
 
@@ -97,21 +39,21 @@ def test_units_decide_nothing(unit: float) -> None:
     other = PeriodicSystem(
         one.mass, unit * one.gyroscopic, unit * one.damping, unit**2 * one.stiffness, one.cosine, one.sine
     )
-    studies = [run_case(system_subject(_own(s), points=(8, 4)), n_jobs=1, quick=True) for s in (one, other)]
+    studies = [run_study(system_subject(_own(s), points=(8, 4)), n_jobs=1, quick=True) for s in (one, other)]
     assert [study.agrees for study in studies] == [True, True]
     a, b = (study.variants[0].verdicts for study in studies)
     assert [verdict.label for verdict in a] == [verdict.label for verdict in b]
 
 
 def test_the_widest_regions_are_looked_at_closely() -> None:
-    study = run_case(system_subject(_own(coupled_mathieu()), points=(8, 4)), n_jobs=1, quick=True)
+    study = run_study(system_subject(_own(coupled_mathieu()), points=(8, 4)), n_jobs=1, quick=True)
     assert [curve.label for curve, _ in study.variants[0].panels] == ["ω₁+ω₂"]
     assert set(study.figures()) == {"chart", "regions"}
 
 
 def test_a_system_that_nothing_excites_is_drawn_without_panels() -> None:
     still = PeriodicSystem([[1.0]], [[0.0]], [[0.0]], [[1.0]], [[[0.0]]])
-    study = run_case(system_subject(_own(still), points=(8, 4)), n_jobs=1, quick=True)
+    study = run_study(system_subject(_own(still), points=(8, 4)), n_jobs=1, quick=True)
     assert study.agrees
     assert set(study.figures()) == {"chart"}
 
