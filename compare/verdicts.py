@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from tqdm import tqdm
 
 from floquet import BoundaryTrace, Kind, trace_boundary
-from floquet.boundary.resonance import NoResonanceError
+from floquet.boundary import NoResonanceError
 from floquet.running.parallel import gather
 from periodic import PeriodicSystem, SystemFamily, member_at
 from periodic.checks import FloatArray, grid, interval, one_of, whole_number, workers

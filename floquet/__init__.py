@@ -1,6 +1,6 @@
 """Stability from Floquet multipliers: one point, charts, and boundaries by root-finding."""
 
-from floquet.boundary.boundary import BoundaryTrace, trace_boundary
+from floquet.boundary import BoundaryTrace, trace_boundary
 from floquet.chart.chart import StabilityChart, stability_chart
 from floquet.kind import Kind
 from floquet.oracle.point import Monodromy, monodromy

@@ -7,7 +7,7 @@ from math import ceil, log10
 
 from compare.explorer.outlines import LEVELS
 from floquet import Region
-from floquet.boundary.resonance import Resonance
+from floquet.boundary import Resonance
 from floquet.regions.outlines import largest_width
 
 # At large eps there are a hundred regions, most of them narrower than a line of the picture: these many fit a screen.

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 
 from floquet.boundary.pair import LostError, Pair, Point
 from floquet.boundary.resonance import (
-    HIGHEST_ORDER,
+    MAX_ORDER,
     ORDERS,
     SIGNS,
     Modes,
@@ -25,25 +25,25 @@ from periodic import SystemFamily, member_at
 from periodic.checks import ComplexArray, FloatArray, one_of, real_array, real_number, whole_number
 
 # Edges are found to this part of Omega; regions narrower than ten times that count as closed.
-RESOLUTION = 1e-10
+EDGE_RESOLUTION = 1e-10
 # Relative change of stiffness (norm of eps F in energy coordinates) between two stations of the continuation in eps for
 # a resonance with j = 1, and how many there may be: a hundred times the stiffness is far beyond any separate region.
 # With larger j regions are closer together, about in proportion.
-STATION = 0.25
-MOST_STATIONS = 400
+STIFFNESS_CHANGE_PER_STATION = 0.25
+MAX_STATIONS = 400
 # Most points on the way to the middle of a region, and to bracket an edge. A parabola needs about 6 and 3.
-MOST_TRIALS = 40
+MAX_SEARCH_POINTS = 40
 # How like the two modes the pair must still be (cosine of the angle) for what is found to count as their region, and
 # for nothing found to count as their region closed.
-OPEN_LIKENESS, CLOSED_LIKENESS = 0.5, 0.8
+MIN_LIKENESS_OPEN, MIN_LIKENESS_CLOSED = 0.5, 0.8
 # What f may differ from zero by at an edge, compared with its value inside.
-LARGEST_JUMP = 1e-6
+MAX_RELATIVE_JUMP = 1e-6
 # Where the pair is lost, the next step is this part of the last, a few times.
-SHORTER, MOST_LOSSES = 0.25, 3
+STEP_FACTOR_AFTER_LOSS, MAX_LOSSES = 0.25, 3
 # A zero of a smooth f takes about 8 iterations, a jump 30.
-MOST_ITERATIONS = 20
+MAX_BRENT_ITERATIONS = 20
 # An edge is looked for between these multiples of the frequency of resonance.
-LOWEST, HIGHEST = 0.2, 5.0
+MIN_SEARCH_FACTOR, MAX_SEARCH_FACTOR = 0.2, 5.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,14 +136,14 @@ def trace_boundary(
     if amplitudes.min() < 0:
         raise ValueError(f"eps has the entry {float(amplitudes.min())!r}; give amplitudes >= 0")
     types = SIGNS if type is None else (one_of("type", type, tuple(SIGNS)),)
-    orders = ORDERS if j is None else (whole_number("j", j, least=1, most=HIGHEST_ORDER),)
+    orders = ORDERS if j is None else (whole_number("j", j, least=1, most=MAX_ORDER),)
     modes = natural_modes(member_at(family, near, "family"), near)
     resonance = nearest_resonance(modes, near, types, orders)
     route = _Route(family, resonance, modes)
-    if amplitudes.max() > MOST_STATIONS * route.spacing:
+    if amplitudes.max() > MAX_STATIONS * route.spacing:
         raise ValueError(
             f"eps has the entry {float(amplitudes.max())!r}, which changes the stiffness by a factor of "
-            f"{amplitudes.max() * route.pair.strength:.3g}; give amplitudes below {MOST_STATIONS * route.spacing:.3g}"
+            f"{amplitudes.max() * route.pair.strength:.3g}; give amplitudes below {MAX_STATIONS * route.spacing:.3g}"
         )
     found = [route.edges(float(amplitude)) for amplitude in amplitudes]
     verdicts = np.array([k for k, _, _ in found], dtype=np.int8)
@@ -181,7 +181,7 @@ class _Route:
         self.family = family
         self.resonance = resonance
         self.pair = Pair(family, resonance, modes)
-        self.spacing = STATION / resonance.j / self.pair.strength if self.pair.strength else np.inf
+        self.spacing = STIFFNESS_CHANGE_PER_STATION / resonance.j / self.pair.strength if self.pair.strength else np.inf
         self.stations = [_Station(0.0, resonance.centre, self.pair.solutions)]
 
     def edges(self, eps: float) -> tuple[Kind, tuple[_Edge, _Edge], tuple[float, float]]:
@@ -195,12 +195,12 @@ class _Route:
         except LostError:
             return Kind.UNDECIDED, closed, none
         likeness = min(self.pair.likeness(point, eps) for point in (expected, top))
-        if likeness < (OPEN_LIKENESS if top.value > 0 else CLOSED_LIKENESS):
+        if likeness < (MIN_LIKENESS_OPEN if top.value > 0 else MIN_LIKENESS_CLOSED):
             return Kind.UNDECIDED, closed, none
         if top.value <= 0:
             return Kind.STABLE, closed, none
         lower, upper = (self._edge(eps, top, side) for side in (-1, 1))
-        if upper.Omega - lower.Omega < 10 * RESOLUTION * top.Omega:
+        if upper.Omega - lower.Omega < 10 * EDGE_RESOLUTION * top.Omega:
             return Kind.STABLE, closed, none
         errors = self._error(eps, top, lower.Omega, upper.Omega), self._error(eps, top, upper.Omega, lower.Omega)
         return _kind(top.multipliers), (lower, upper), errors
@@ -227,7 +227,7 @@ class _Route:
         points = [expected]
         points += [self.pair.at(start + sign * step, eps, reference) for sign in (-1, 1)]
         previous = np.inf
-        for _ in range(MOST_TRIALS):
+        for _ in range(MAX_SEARCH_POINTS):
             points.sort(key=lambda point: -point.value)
             best = points[0]
             if best.value > 0 and not exact:
@@ -238,7 +238,7 @@ class _Route:
                 x = best.Omega + np.sign(best.Omega - points[2].Omega) * reach / 2
             x = min(max(x, best.Omega - reach), best.Omega + reach)
             half_width = np.sqrt(max(best.value, 0.0)) / self._scale(best.Omega)
-            if abs(x - best.Omega) <= max(0.1 * half_width, RESOLUTION * best.Omega):
+            if abs(x - best.Omega) <= max(0.1 * half_width, EDGE_RESOLUTION * best.Omega):
                 break
             certainly_closed = curvature < 0 and height < 0 and abs(height - previous) < 0.01 * abs(height)
             if certainly_closed or any(x == point.Omega for point in points):
@@ -268,19 +268,19 @@ class _Route:
         """
         a, beyond, losses = inside, np.nan, 0
         step, most = 1.2 * np.sqrt(a.value) / self._scale(a.Omega), np.inf
-        for _ in range(MOST_TRIALS):
-            if not LOWEST < a.Omega / self.resonance.centre < HIGHEST:
+        for _ in range(MAX_SEARCH_POINTS):
+            if not MIN_SEARCH_FACTOR < a.Omega / self.resonance.centre < MAX_SEARCH_FACTOR:
                 return NO_EDGE
-            if losses > MOST_LOSSES:
+            if losses > MAX_LOSSES:
                 break
-            step = min(max(step, 10 * RESOLUTION * a.Omega), a.Omega / (8 * self.resonance.j), most)
+            step = min(max(step, 10 * EDGE_RESOLUTION * a.Omega), a.Omega / (8 * self.resonance.j), most)
             try:
                 b = self.pair.at(a.Omega + side * step, eps, a.solutions)
                 if b.value <= 0:
                     return _Edge(self._zero(eps, a, b))
             except LostError:
                 beyond, losses = a.Omega + side * step, losses + 1
-                most = SHORTER * step
+                most = STEP_FACTOR_AFTER_LOSS * step
                 continue
             # where f falls, not much further than to the zero of the secant: beyond may be another region
             fall = (a.value - b.value) / step
@@ -301,13 +301,19 @@ class _Route:
 
         try:
             zero = float(
-                brentq(value, inside.Omega, outside.Omega, xtol=RESOLUTION * inside.Omega, maxiter=MOST_ITERATIONS)
+                brentq(
+                    value,
+                    inside.Omega,
+                    outside.Omega,
+                    xtol=EDGE_RESOLUTION * inside.Omega,
+                    maxiter=MAX_BRENT_ITERATIONS,
+                )
             )
         except RuntimeError:  # nothing but halving: a jump
             raise LostError from None
         # f must vanish on both sides of the zero; where it jumps, another pair has taken over
-        nearness = 10 * RESOLUTION * zero / max(abs(zero - inside.Omega), RESOLUTION * zero)
-        jumps = min(map(abs, values.values())) > (LARGEST_JUMP + nearness) * inside.value
+        nearness = 10 * EDGE_RESOLUTION * zero / max(abs(zero - inside.Omega), EDGE_RESOLUTION * zero)
+        jumps = min(map(abs, values.values())) > (MAX_RELATIVE_JUMP + nearness) * inside.value
         if jumps or value(zero + 1e-3 * (inside.Omega - zero)) > 0.1 * inside.value:
             raise LostError
         return zero
@@ -325,7 +331,7 @@ class _Route:
             inside = self.pair.at(edge + shift, eps, top.solutions, with_error=True)
         except LostError:
             return np.inf
-        return inside.error / abs(inside.value / shift) + RESOLUTION * edge
+        return inside.error / abs(inside.value / shift) + EDGE_RESOLUTION * edge
 
 
 def _kind(multipliers: ComplexArray) -> Kind:

@@ -17,13 +17,13 @@ from periodic.checks import ComplexArray
 
 # Tolerance of the integration. The series cost little more than at 1e-11, and an edge is only as good as the
 # multipliers.
-TOLERANCE = 1e-13
+PAIR_TOLERANCE = 1e-13
 # Mean decay of the pair in one period that is rounding.
-LEAST_DAMPING = 1e-11
+MIN_PAIR_DECAY = 1e-11
 # Part of an eigenvector in the span of the two resonating solutions below which it is no longer one of them.
-LEAST_PART = 0.5
+MIN_PAIR_PART = 0.5
 # Parts that are as large as this compared with each other do not tell which eigenvector belongs to the pair.
-COMPARABLE = 0.9
+COMPARABLE_PARTS = 0.9
 
 
 class LostError(Exception):
@@ -76,11 +76,11 @@ class Pair:
             raise LostError
         subsystem = self._subsystem(Omega, eps)
         if with_error:
-            found = period_map(subsystem, Omega, eps, TOLERANCE)
+            found = period_map(subsystem, Omega, eps, PAIR_TOLERANCE)
             Phi, error = found.matrix, found.error
         else:
             Phi = propagate(
-                subsystem, Omega, eps, steps_of_period(subsystem, Omega), TOLERANCE, np.eye(len(subsystem.from_q))
+                subsystem, Omega, eps, steps_of_period(subsystem, Omega), PAIR_TOLERANCE, np.eye(len(subsystem.from_q))
             )
             error = np.nan
         mu, left, right = eigensystem(Phi)
@@ -114,7 +114,7 @@ class Pair:
         instability is taken. Of two different modes those that span the reference best are taken.
         """
         part = np.linalg.norm(inside, axis=0)
-        candidates = np.flatnonzero(part > max(LEAST_PART, COMPARABLE * np.sort(part)[-2])).tolist()
+        candidates = np.flatnonzero(part > max(MIN_PAIR_PART, COMPARABLE_PARTS * np.sort(part)[-2])).tolist()
         if len(candidates) == 2:
             return candidates
         if self.lock is None:
@@ -165,10 +165,10 @@ def instability(mu: ComplexArray, lock: float | None, reciprocal: bool, shift: f
     error = abs(difference) / 2 * shift
     p = 0.0 if reciprocal else -float(np.log(np.abs(mu)).sum())
     opposite = lock is not None and not mu.imag.any() and bool((mu.real * lock < 0).all())
-    if opposite and p >= -LEAST_DAMPING:
+    if opposite and p >= -MIN_PAIR_DECAY:
         growth = difference.real / 2
         return -(np.pi**2) / (1 + (growth / np.pi) ** 2) - p**2 / 4, error + p / 2 * shift
-    if abs(p) < LEAST_DAMPING:
+    if abs(p) < MIN_PAIR_DECAY:
         return Delta.real, error
     if p < 0:  # growing already in the mean of the two
         return np.sqrt(Delta).real ** 2 + p**2 / 4, error - p / 2 * shift

@@ -16,20 +16,20 @@ from periodic import PeriodicSystem
 from periodic.checks import ComplexArray, is_positive_definite
 
 # A resonance further from `near`, relative to it, is not what was meant.
-FARTHEST = 0.05
+MAX_GUESS_DISTANCE = 0.05
 # j Omega = omega_p ± omega_q is looked for up to this j; higher tongues are narrower than eps^8.
-HIGHEST_ORDER = 8
-ORDERS = tuple(range(1, HIGHEST_ORDER + 1))
+MAX_ORDER = 8
+ORDERS = tuple(range(1, MAX_ORDER + 1))
 SIGNS = {"sum": 1, "difference": -1}
 # Of two resonances near by, the one of higher j is taken if it is this many times nearer for each step in j (the
 # tongues get narrower by a power of eps), a difference if it is this many times nearer than a sum (most are no
 # regions at all).
-PREFERENCE = 100.0
+ORDER_PREFERENCE = 100.0
 # Relative distance below which `near` agrees with a resonance.
-AGREEMENT = 1e-9
+EXACT_GUESS_DISTANCE = 1e-9
 # Motion slower than this part of the fastest is no oscillation: the exponents of a free or critically damped mode are
 # off by the square root of rounding.
-SLOWEST = 1e-7
+MIN_RELATIVE_FREQUENCY = 1e-7
 
 SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
@@ -120,7 +120,7 @@ def natural_modes(system: PeriodicSystem, Omega: float) -> Modes:
     exponents, vectors, home = [], [], []
     for number, subsystem in enumerate(reduce_system(system, 1.0, Omega / (2 * np.pi))):
         values, columns = sla.eig(constant_matrix(subsystem.equations))
-        oscillating = values.imag > SLOWEST * np.abs(values).max()
+        oscillating = values.imag > MIN_RELATIVE_FREQUENCY * np.abs(values).max()
         exponents.append(values[oscillating])
         vectors.append(subsystem.to_q @ columns[:, oscillating])
         home += [number] * int(oscillating.sum())
@@ -177,7 +177,7 @@ def nearest_resonance(
     NoResonanceError
         If there is none within 5 % of ``near``.
     """
-    around = (1 - FARTHEST) * near, (1 + FARTHEST) * near
+    around = (1 - MAX_GUESS_DISTANCE) * near, (1 + MAX_GUESS_DISTANCE) * near
     found = resonances(modes, around, types, orders, coupled=False)
     if not found:
         named = "(omega_p " + ("±" if len(types) > 1 else "+" if "sum" in types else "-") + " omega_q) / j"
@@ -185,12 +185,12 @@ def nearest_resonance(
         frequencies = modes.exponents.imag
         first = ", ".join(f"{f:.6g}" for f in frequencies[:4]) or "none"
         raise NoResonanceError(
-            f"near = {near!r} is not within {FARTHEST:.0%} of any {named} with j {which}; "
+            f"near = {near!r} is not within {MAX_GUESS_DISTANCE:.0%} of any {named} with j {which}; "
             f"the natural frequencies are {first}{', ...' if len(frequencies) > 4 else ''}"
         )
 
     def score(one: Resonance) -> float:
-        handicap = PREFERENCE ** (one.j - 1.0) * (1.0 if one.type == "sum" else PREFERENCE)
-        return (abs(one.centre / near - 1) + AGREEMENT) * handicap
+        handicap = ORDER_PREFERENCE ** (one.j - 1.0) * (1.0 if one.type == "sum" else ORDER_PREFERENCE)
+        return (abs(one.centre / near - 1) + EXACT_GUESS_DISTANCE) * handicap
 
     return min(found, key=score)

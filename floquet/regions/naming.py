@@ -6,8 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from floquet.boundary.boundary import trace_boundary
-from floquet.boundary.resonance import Resonance
+from floquet.boundary import Resonance, trace_boundary
 from floquet.regions.outlines import Column, Loop, Place, components, crossings, loops
 from periodic import SystemFamily
 from periodic.checks import FloatArray

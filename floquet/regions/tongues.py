@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquet.boundary.resonance import Resonance
+from floquet.boundary import Resonance
 from floquet.engine.column import log2_steps, multipliers
 from floquet.engine.coordinates import subsystems
 from floquet.engine.doubling.sampling import Sampler, Workspace

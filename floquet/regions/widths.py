@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from floquet.boundary.resonance import SLOWEST, Modes, Resonance
+from floquet.boundary import MIN_RELATIVE_FREQUENCY, Modes, Resonance
 from floquet.engine.coordinates import Subsystem, equations, least_frequency, subsystems
 from periodic import PeriodicSystem
 from periodic.checks import ComplexArray, FloatArray
@@ -84,7 +84,7 @@ def homes(system: PeriodicSystem, modes: Modes, least: float) -> list[Home]:
     found = []
     for number, part in enumerate(parts):
         values = np.linalg.eigvals(equations(part, least).A)
-        values = values[values.imag > SLOWEST * part.rate]
+        values = values[values.imag > MIN_RELATIVE_FREQUENCY * part.rate]
         own = np.flatnonzero(owner == number) + 1
         count = min(len(values), len(own))  # a mode that hardly oscillates may be found by one of the two alone
         values, own = values[np.argsort(values.imag)][len(values) - count :], own[len(own) - count :]

@@ -6,7 +6,7 @@ import numpy as np
 
 from compare.explorer.listing import MOST_LINES, region_lines
 from floquet import Region
-from floquet.boundary.resonance import Resonance
+from floquet.boundary import Resonance
 from floquet.regions.outlines import Loop
 
 

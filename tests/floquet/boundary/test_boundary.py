@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ from tests.floquet.oracle_systems import dop853, random_system
 
 
 @pytest.mark.parametrize("kind", ["sum", "difference"])
-def test_combination_resonance(kind):
+def test_combination_resonance(kind: str) -> None:
     omega = np.array([1.0, 1.7])
     centre = omega[1] + omega[0] if kind == "sum" else omega[1] - omega[0]
     root_L = 1 / (2 * math.sqrt(omega[0] * omega[1]))
@@ -46,7 +47,7 @@ def test_combination_resonance(kind):
     assert (closed.kind == Kind.STABLE).all()
 
 
-def test_edges_separate_stable_from_unstable_by_another_integrator():
+def test_edges_separate_stable_from_unstable_by_another_integrator() -> None:
     # a gyroscopic system with two harmonics: on either side of every edge DOP853 finds what the trace says
     system = random_system(20, 3, 2)
     K = system.stiffness + (1 - np.linalg.eigvalsh(system.stiffness)[0]) * np.eye(3)
@@ -72,7 +73,7 @@ def test_edges_separate_stable_from_unstable_by_another_integrator():
         assert (growth > 1e-7) == unstable
 
 
-def test_round_rotor_has_the_regions_of_mathieu():
+def test_round_rotor_has_the_regions_of_mathieu() -> None:
     eps = [0.1, 1.0]
     rotor = trace_boundary(gyroscopic_rotor((4.0, 4.0), 0.5), 4.0, eps)
     plain = trace_boundary(mathieu(4.0), 4.0, eps)
@@ -83,7 +84,7 @@ def test_round_rotor_has_the_regions_of_mathieu():
         assert not trace_boundary(gyroscopic_rotor((4.0, 4.0), 0.5), near, eps).is_open.any()
 
 
-def test_equal_frequencies():
+def test_equal_frequencies() -> None:
     # x1 + x2 and x1 - x2 obey Mathieu's equation with eps and -eps: the same edges
     eps = [0.01, 0.5, 1.0]
     for damping in (0.0, 0.002):
@@ -94,11 +95,11 @@ def test_equal_frequencies():
 
 
 @pytest.fixture(scope="module")
-def plate():
+def plate() -> MovingPlate:
     return MovingPlate(axial_terms=2, lateral_terms=5)
 
 
-def test_regions_of_the_plate(plate, references):
+def test_regions_of_the_plate(plate: MovingPlate, references: dict[str, Any]) -> None:
     expected = references["first_order_membrane"]["a/b=1 V=3 f0=10"]
     eps = np.array([0.02, 0.04])
     for pair in ("1+1", "2+2", "3+3"):
@@ -114,7 +115,7 @@ def test_regions_of_the_plate(plate, references):
         assert (trace.kind == Kind.STABLE).all()
 
 
-def test_narrow_region_of_the_plate(plate):
+def test_narrow_region_of_the_plate(plate: MovingPlate) -> None:
     # 1+3 is a hundred times narrower than 2 omega_1; a grid would need its place first
     trace = trace_boundary(plate, 45.3, [1e-4, 1e-2])
     assert (trace.resonance.q, trace.resonance.p) == (1, 3)
@@ -124,14 +125,14 @@ def test_narrow_region_of_the_plate(plate):
     assert (trace.lower_error < 1e-9 * trace.lower).all()
 
 
-def test_narrow_region_among_other_multipliers():
+def test_narrow_region_among_other_multipliers() -> None:
     # at eps = 1 other multipliers of the plate pass close to the pair 1+3; the edges must not jump to them
     trace = trace_boundary(MovingPlate(), 44.967, [0.9, 0.95, 1.0, 1.05, 1.1])
     for edge in (trace.lower, trace.upper):
         assert np.abs(np.diff(edge, 3)).max() < 1e-4  # the width is 0.09
 
 
-def test_another_tongue_inside_the_region():
+def test_another_tongue_inside_the_region() -> None:
     # at eps = 0.3 the third tongue of a higher mode passes through the upper edge of 2 omega_2
     trace = trace_boundary(MovingPlate(damping=2e-4), 30.9, [0.28, 0.29, 0.3, 0.31, 0.32])
     assert np.isfinite(trace.lower).all()
@@ -139,7 +140,7 @@ def test_another_tongue_inside_the_region():
     assert np.abs(np.diff(trace.upper, 2)).max() < 1e-3
 
 
-def test_merged_regions():
+def test_merged_regions() -> None:
     # frequencies 1 and 1.05 with strong coupling: from eps = 0.2 on 2 omega_1, omega_1 + omega_2 and 2 omega_2 are one
     # region; its edges come out the same from each, and are those of the verdicts
     system = PeriodicSystem(
@@ -159,7 +160,7 @@ def test_merged_regions():
     assert monodromy(system, upper + 1e-6, 0.2).kind == Kind.STABLE
 
 
-def test_two_resonances_at_once_are_undecided():
+def test_two_resonances_at_once_are_undecided() -> None:
     # omega_2 = 3 omega_1: Omega = 2 is 2 omega_1 and omega_2 - omega_1, and the pair is like neither from the beginning
     coupled = PeriodicSystem(
         np.eye(2), np.zeros((2, 2)), np.zeros((2, 2)), np.diag([1.0, 9.0]), [[[0.2, 2.0], [2.0, -3.0]]]
@@ -170,13 +171,13 @@ def test_two_resonances_at_once_are_undecided():
     assert not trace.is_open.any()
 
 
-def test_no_region_of_another_pair_is_taken():
+def test_no_region_of_another_pair_is_taken() -> None:
     # at eps = 1.5 the modes of omega_3 - omega_1 have mixed with others, which are unstable there
     trace = trace_boundary(MovingPlate(), 26.29, [1.0, 1.5])
     assert trace.kind.tolist() == [Kind.STABLE, Kind.UNDECIDED]
 
 
-def test_difference_type_stays_closed_on_the_plate(plate):
+def test_difference_type_stays_closed_on_the_plate(plate: MovingPlate) -> None:
     # L_diff < 0 for symmetric F (theory.md, section 5)
     trace = trace_boundary(plate, 26.5, [0.01, 0.1, 0.3])
     assert trace.resonance.type == "difference"
@@ -184,12 +185,12 @@ def test_difference_type_stays_closed_on_the_plate(plate):
     assert (trace.kind == Kind.STABLE).all()
 
 
-def test_regions_narrower_than_the_resolution_count_as_closed():
+def test_regions_narrower_than_the_resolution_count_as_closed() -> None:
     # the third tongue of Mathieu's equation at eps = 1e-3 is 1e-10 wide
     assert trace_boundary(mathieu(), 2 / 3, 1e-3).kind[0] == Kind.STABLE
 
 
-def test_errors_of_edges_in_a_sensitive_case():
+def test_errors_of_edges_in_a_sensitive_case() -> None:
     # faint damping: the edges of a combination resonance depend on the ratio of two tiny decays. In rotated coordinates
     # the system is the same, rounding is not
     plain = coupled_mathieu("sum", damping=(1e-9, 2e-8))
@@ -205,11 +206,11 @@ def test_errors_of_edges_in_a_sensitive_case():
         assert (allowed > 1e-8).all()  # more than the resolution of the search
 
 
-def test_family_is_asked_at_every_frequency():
+def test_family_is_asked_at_every_frequency() -> None:
     class Family:
         """F grows with Omega: x'' + (1 + eps (Omega / 2)^2 cos Omega t) x = 0."""
 
-        def at(self, Omega):
+        def at(self, Omega: float) -> PeriodicSystem:
             return PeriodicSystem([[1.0]], [[0.0]], [[0.0]], [[1.0]], [[[(Omega / 2) ** 2]]])
 
     trace = trace_boundary(Family(), 2.0, 0.4)
@@ -218,7 +219,7 @@ def test_family_is_asked_at_every_frequency():
         assert min(abs(plain.lower[0] - Omega), abs(plain.upper[0] - Omega)) < 1e-9
 
 
-def test_results_do_not_depend_on_the_company():
+def test_results_do_not_depend_on_the_company() -> None:
     system = coupled_mathieu("sum")
     together = trace_boundary(system, 2.7, [0.9, 0.01, 0.3])
     for i, eps in enumerate([0.9, 0.01, 0.3]):
@@ -230,7 +231,7 @@ def test_results_do_not_depend_on_the_company():
 
 @settings(max_examples=15, deadline=None)
 @given(st.floats(-0.03, 0.03), st.sampled_from([1, 2, 3]))
-def test_near_may_be_a_guess(offset, n):
+def test_near_may_be_a_guess(offset: float, n: int) -> None:
     guessed = trace_boundary(mathieu(), 2 / n * (1 + offset), 0.2)
     exact = trace_boundary(mathieu(), 2 / n, 0.2)
     assert guessed.resonance.j == n
@@ -240,7 +241,7 @@ def test_near_may_be_a_guess(offset, n):
 
 @settings(max_examples=15, deadline=None)
 @given(st.integers(0, 10**6), st.integers(2, 3), st.floats(0.01, 0.1))
-def test_inside_is_unstable(seed, n, strength):
+def test_inside_is_unstable(seed: int, n: int, strength: float) -> None:
     system = random_system(seed, n, 2)
     lowest = np.linalg.eigvalsh(system.stiffness)[0]
     stiffness = system.stiffness + (1 - lowest) * np.eye(n)
@@ -254,24 +255,24 @@ def test_inside_is_unstable(seed, n, strength):
         assert monodromy(system, lower + part * (upper - lower), strength).kind > Kind.STABLE
 
 
-def trace_boundary_of_first_mode(system, eps):
+def trace_boundary_of_first_mode(system: PeriodicSystem, eps: float) -> BoundaryTrace:
     n = system.size
     upper = -np.linalg.solve(system.mass, np.hstack([system.gyroscopic, system.stiffness]))
     exponents = np.linalg.eigvals(np.vstack([upper, np.eye(n, 2 * n)]))
     return trace_boundary(system, 2 * np.sort(exponents.imag[exponents.imag > 0])[0], eps)
 
 
-def test_trace_is_frozen():
+def test_trace_is_frozen() -> None:
     trace = trace_boundary(mathieu(), 2.0, 0.1)
     assert isinstance(trace, BoundaryTrace)
     for name in ("eps", "lower", "upper", "lower_error", "upper_error", "kind"):
         assert getattr(trace, name).shape == (1,)
         assert not getattr(trace, name).flags.writeable
     with pytest.raises(AttributeError):
-        trace.lower = 0
+        trace.lower = np.zeros(1)  # type: ignore[misc]
 
 
-def test_no_excitation_no_region():
+def test_no_excitation_no_region() -> None:
     assert not trace_boundary(mathieu(), 2.0, 0.0).is_open.any()
     silent = PeriodicSystem([[1.0]], [[0.0]], [[0.0]], [[1.0]], [[[0.0]]])
     assert not trace_boundary(silent, 2.0, [0.1, 1.0]).is_open.any()
@@ -299,12 +300,12 @@ def test_no_excitation_no_region():
         ({"eps": None}, "eps has entries of type"),
     ],
 )
-def test_bad_arguments(arguments, message):
-    given_ = {"family": mathieu(), "near": 2.0, "eps": 0.1} | arguments
+def test_bad_arguments(arguments: dict[str, Any], message: str) -> None:
+    given_: dict[str, Any] = {"family": mathieu(), "near": 2.0, "eps": 0.1} | arguments
     with pytest.raises(ValueError, match=message):
         trace_boundary(**given_)
 
 
-def test_system_that_does_not_oscillate():
+def test_system_that_does_not_oscillate() -> None:
     with pytest.raises(ValueError, match="natural frequencies are none"):
         trace_boundary(mathieu(-1.0), 2.0, 0.1)

@@ -15,7 +15,7 @@ from periodic.examples import mathieu
 from tests.floquet.oracle_systems import dop853
 
 
-def characteristic(n, q, odd):
+def characteristic(n: int, q: float, odd: bool) -> float:
     """a_n(q), or b_n(q) if ``odd``: eigenvalues of tridiagonal matrices (DLMF 28.4, from the Fourier series)."""
     size = 40 + int(abs(q))
     if n % 2:
@@ -33,16 +33,16 @@ def characteristic(n, q, odd):
     return sla.eigh_tridiagonal(diagonal, off, eigvals_only=True, select="i", select_range=(index, index))[0]
 
 
-def mathieu_edge(delta, eps, n, odd, bracket):
+def mathieu_edge(delta: float, eps: float, n: int, odd: bool, bracket: tuple[float, float]) -> float:
     """Omega at which x'' + (delta + eps cos Omega t) x = 0 has the solution that b_n (``odd``) or a_n belongs to."""
 
-    def mismatch(Omega):
+    def mismatch(Omega: float) -> float:
         return characteristic(n, 2 * eps / Omega**2, odd) - 4 * delta / Omega**2
 
     return brentq(mismatch, *bracket, xtol=1e-14)
 
 
-def test_the_oracle_for_mathieu():
+def test_the_oracle_for_mathieu() -> None:
     for n in (1, 2, 3, 4):
         for q in (0.3, 2.0, 5.0):
             assert characteristic(n, q, odd=False) == pytest.approx(mathieu_a(n, q), rel=1e-11)
@@ -58,7 +58,7 @@ def test_the_oracle_for_mathieu():
         (4, [0.3, 1.0, 2.0, 5.0], Kind.PLUS_ONE),
     ],
 )
-def test_edges_of_mathieu(n, eps, kind):
+def test_edges_of_mathieu(n: int, eps: list[float], kind: Kind) -> None:
     trace = trace_boundary(mathieu(), 2 / n, eps)
     assert trace.is_open.all()
     assert (trace.kind == kind).all()
@@ -75,7 +75,7 @@ def test_edges_of_mathieu(n, eps, kind):
             assert error < 1e-8 * found
 
 
-def test_edges_of_mathieu_agree_with_scipy():
+def test_edges_of_mathieu_agree_with_scipy() -> None:
     eps = np.array([0.2, 1.0, 5.0])
     trace = trace_boundary(mathieu(1.7), 2 * math.sqrt(1.7), eps)
     q = 2 * eps / trace.lower**2
@@ -85,7 +85,7 @@ def test_edges_of_mathieu_agree_with_scipy():
     assert 4 * 1.7 / trace.upper**2 == pytest.approx(mathieu_b(1, q), rel=1e-8)
 
 
-def test_width_of_mathieu_tongues_shrinks_with_their_order():
+def test_width_of_mathieu_tongues_shrinks_with_their_order() -> None:
     # the width of the n-th tongue is of order eps^n (Arnold, Mathematical Methods of Classical Mechanics, section 25)
     eps = np.array([0.05, 0.1, 0.2])
     for n in (1, 2, 3):
@@ -94,7 +94,7 @@ def test_width_of_mathieu_tongues_shrinks_with_their_order():
         assert order == pytest.approx(n, abs=0.01)
 
 
-def test_second_tongue_of_mathieu_against_its_series():
+def test_second_tongue_of_mathieu_against_its_series() -> None:
     # y'' + (d + e cos t) y = 0 near d = 1: d = 1 + 5 e^2 / 12 and d = 1 - e^2 / 12, up to O(e^4) (A. H. Nayfeh and
     # D. T. Mook, Nonlinear Oscillations, 1979, section 5.3); here d = 1 / Omega^2, e = eps / Omega^2
     for eps in (0.02, 0.04):
@@ -104,7 +104,7 @@ def test_second_tongue_of_mathieu_against_its_series():
             assert 1 / Omega**2 == pytest.approx(1 + coefficient * e**2, abs=2 * e**4)
 
 
-def test_damped_mathieu():
+def test_damped_mathieu() -> None:
     # x = y exp(-c t / 2): the edge is where the undamped trace is -2 cosh(c T / 2), that of the damped system, which
     # DOP853 integrates, -(1 + exp(-c T))
     c, eps = 0.05, np.array([0.08, 0.099, 0.12, 0.5])
@@ -114,7 +114,7 @@ def test_damped_mathieu():
     assert np.isnan(trace.upper_error[:2]).all()
     assert (trace.kind == [Kind.STABLE, Kind.STABLE, Kind.MINUS_ONE, Kind.MINUS_ONE]).all()
 
-    def excess(Omega, e):
+    def excess(Omega: float, e: float) -> float:
         return np.trace(dop853(mathieu(1.0, c), Omega, e)) + 1 + math.exp(-c * 2 * np.pi / Omega)
 
     for i in (2, 3):
@@ -127,14 +127,14 @@ def test_damped_mathieu():
 
 
 @pytest.mark.parametrize("n", [2, 3, 4])
-def test_a_little_damping_moves_edges_a_little_where_gaps_between_regions_are_narrow(n):
+def test_a_little_damping_moves_edges_a_little_where_gaps_between_regions_are_narrow(n: int) -> None:
     eps = [2.0, 3.0]
     elastic, damped = (trace_boundary(mathieu(1.0, c), 2 / n, eps) for c in (0.0, 1e-4))
     assert damped.lower == pytest.approx(elastic.lower, rel=1e-6)
     assert damped.upper == pytest.approx(elastic.upper, rel=1e-6)
 
 
-def test_tip_of_damped_mathieu():
+def test_tip_of_damped_mathieu() -> None:
     c = 0.02
     tip = 2 * c  # to first order, with a correction of order c^3
     trace = trace_boundary(mathieu(1.0, c), 2.0, tip * np.array([0.99, 0.999, 1.001, 1.01]))

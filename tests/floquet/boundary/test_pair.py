@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cmath
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -11,10 +12,11 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from floquet import Kind, monodromy, trace_boundary
+from floquet.boundary import natural_modes, nearest_resonance
 from floquet.boundary.boundary import _Route
 from floquet.boundary.pair import LostError, Point, instability
-from floquet.boundary.resonance import natural_modes, nearest_resonance
 from periodic import PeriodicSystem
+from periodic.checks import ComplexArray
 from periodic.examples import mathieu
 from plate import EdgeLoad, MovingPlate
 
@@ -29,7 +31,7 @@ logs = st.complex_numbers(max_magnitude=1.0, allow_nan=False, allow_infinity=Fal
 
 @settings(max_examples=200, deadline=None)
 @given(logs, logs)
-def test_sign_is_that_of_the_larger_growth(a, b):
+def test_sign_is_that_of_the_larger_growth(a: complex, b: complex) -> None:
     growth = max(a.real, b.real)
     assume(abs(growth) > 1e-6)
     assume(abs(a.real + b.real) > 1e-6)  # f is divided by it: the sum of two logarithms must not be rounding
@@ -42,7 +44,7 @@ def test_sign_is_that_of_the_larger_growth(a, b):
 
 @settings(max_examples=200, deadline=None)
 @given(logs, logs, st.floats(-1, 1), st.floats(-1, 1))
-def test_error_bounds_the_change(a, b, first, second):
+def test_error_bounds_the_change(a: complex, b: complex, first: float, second: float) -> None:
     # decay well above the error of the logarithms
     a, b = complex(a.real - 1.5, a.imag), complex(b.real - 1.5, b.imag)
     shift = 1e-7
@@ -52,7 +54,7 @@ def test_error_bounds_the_change(a, b, first, second):
     assert abs(there - value) <= 1.01 * error + 1e-12
 
 
-def test_reciprocal_pairs():
+def test_reciprocal_pairs() -> None:
     # growth squared inside, minus the square of half the angle outside
     inside = np.array([-np.exp(0.1), -np.exp(-0.1)])
     assert instability(inside, -1.0, True, 0.0)[0] == pytest.approx(0.01)
@@ -63,7 +65,7 @@ def test_reciprocal_pairs():
     assert instability(outside, -1.0, True, 1e-6)[1] == pytest.approx(0.2e-6)
 
 
-def test_analytic_where_the_two_meet():
+def test_analytic_where_the_two_meet() -> None:
     # mu = exp(-0.1 ± sqrt(x)): f = x - 0.01 through x = 0, where each multiplier has a root
     for x in (-1e-3, -1e-9, 0.0, 1e-9, 1e-3):
         mu = -np.exp(-0.1 + np.array([1, -1]) * cmath.sqrt(x))
@@ -73,18 +75,18 @@ def test_analytic_where_the_two_meet():
 class Steps:
     """Stands in for a pair whose test function is ``f``."""
 
-    def __init__(self, f):
+    def __init__(self, f: Callable[[float], float]) -> None:
         self.f = f
 
-    def at(self, Omega, eps, reference):
+    def at(self, Omega: float, eps: float, reference: ComplexArray) -> Point:
         return point(Omega, self.f)
 
 
-def point(Omega, f):
+def point(Omega: float, f: Callable[[float], float]) -> Point:
     return Point(Omega, f(Omega), np.nan, np.ones(2, complex), np.ones((2, 2), complex))
 
 
-def test_jumps_are_not_edges():
+def test_jumps_are_not_edges(monkeypatch: pytest.MonkeyPatch) -> None:
     route = _route(mathieu(), 2.0)
     for f, zero in (
         (lambda x: 2.1 - x, 2.1),
@@ -93,7 +95,7 @@ def test_jumps_are_not_edges():
         (lambda x: 2.2 - x if x < 2.1 else -1.0, None),
         (lambda x: 2.1001 - x if x < 2.1 else -1.0, None),
     ):
-        route.pair = Steps(f)
+        monkeypatch.setattr(route, "pair", Steps(f))
         inside, outside = point(2.0, f), point(2.3, f)
         if zero is None:
             with pytest.raises(LostError):
@@ -102,7 +104,7 @@ def test_jumps_are_not_edges():
             assert route._zero(0.1, inside, outside) == pytest.approx(zero, rel=1e-9)
 
 
-def test_a_region_that_has_merged_says_so():
+def test_a_region_that_has_merged_says_so() -> None:
     zero = np.zeros((2, 2))
     pair = PeriodicSystem(np.eye(2), zero, zero, np.diag([1.0, 1.5]), cosine=[[[1.0, 0.5], [0.5, 1.0]]])
     trace = trace_boundary(pair, 2.0, [0.4, 0.5])
@@ -117,7 +119,7 @@ def test_a_region_that_has_merged_says_so():
         assert monodromy(pair, float(Omega), 0.5).kind > Kind.STABLE
 
 
-def test_an_edge_beyond_a_narrow_crossing_region_is_found():
+def test_an_edge_beyond_a_narrow_crossing_region_is_found() -> None:
     # (ω₁+ω₅)/2 = 12.83 crosses the upper edge of ω₁+ω₃ at eps = 0.2: a step too long from below loses the pair
     plate = MovingPlate(aspect_ratio=2.0, inplane="static", load=EdgeLoad.partial(0.5))
     trace = trace_boundary(plate, 12.4134, [0.18])
@@ -125,7 +127,7 @@ def test_an_edge_beyond_a_narrow_crossing_region_is_found():
     assert monodromy(plate, trace.upper[0] + 1e-4, 0.18).kind == Kind.STABLE
 
 
-def test_there_is_no_pair_at_no_frequency():
+def test_there_is_no_pair_at_no_frequency() -> None:
     pair = PeriodicSystem(
         np.eye(2), np.zeros((2, 2)), np.zeros((2, 2)), np.diag([1.0, 4.0]), [[[1.0, 0.5], [0.5, 1.0]]]
     )
@@ -137,7 +139,7 @@ def test_there_is_no_pair_at_no_frequency():
 
 
 @pytest.mark.parametrize(("lock", "reciprocal"), [(1.0, True), (-1.0, True), (-1.0, False)])
-def test_a_pair_of_one_mode_at_the_opposite_point_is_outside(lock, reciprocal):
+def test_a_pair_of_one_mode_at_the_opposite_point_is_outside(lock: float, reciprocal: bool) -> None:
     decay = 0.0 if reciprocal else 0.01
     values = [
         instability(-lock * np.exp(np.array([x - decay, -x - decay]).astype(complex)), lock, reciprocal, 0.0)[0]

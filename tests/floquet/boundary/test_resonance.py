@@ -9,7 +9,7 @@ import pytest
 import scipy.linalg as sla
 
 from floquet import trace_boundary
-from floquet.boundary.resonance import Resonance, natural_modes, nearest_resonance
+from floquet.boundary import Resonance, natural_modes, nearest_resonance
 from periodic import PeriodicSystem
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu
 from tests.floquet.oracle_systems import first_order, random_system
@@ -37,23 +37,23 @@ def name(system: PeriodicSystem, near: float) -> tuple[int, int, int, str]:
         (0.51, (2, 1, 2, "difference")),
     ],
 )
-def test_names(near, expected):
+def test_names(near: float, expected: tuple[int, int, int, str]) -> None:
     assert name(coupled_mathieu("sum", (1.0, 2.02)), near) == expected
 
 
-def test_low_order_is_preferred_to_near():
+def test_low_order_is_preferred_to_near() -> None:
     # 2 omega_2 / 2 = 1.95 is nearer to 1.96 than 2 omega_1 = 2, but much narrower; asked for exactly it is found
     system = coupled_mathieu("sum", (1.0, 1.95))
     assert name(system, 1.96) == (1, 1, 1, "sum")
     assert name(system, 1.95) == (2, 2, 2, "sum")
 
 
-def test_sums_are_preferred_to_differences():
+def test_sums_are_preferred_to_differences() -> None:
     # 2 omega_1 = omega_2 - omega_1 = 2
     assert name(coupled_mathieu("sum", (1.0, 3.0)), 2.0) == (1, 1, 1, "sum")
 
 
-def test_solutions_are_two_modes():
+def test_solutions_are_two_modes() -> None:
     system = random_system(12, 3, damping=0.1)
     stiff = type(system)(
         system.mass, system.gyroscopic, system.damping, system.stiffness + 3 * np.eye(3), system.cosine
@@ -76,20 +76,20 @@ def test_solutions_are_two_modes():
         assert A @ modes.solutions(found) == pytest.approx(expected, abs=1e-11)
 
 
-def test_gyroscopic_frequencies():
+def test_gyroscopic_frequencies() -> None:
     # sqrt(k) ± s
     assert nearest(gyroscopic_rotor((4.0, 4.0), 0.5), 4.0).centre == pytest.approx(4.0, rel=1e-14)
     assert nearest(gyroscopic_rotor((4.0, 4.0), 0.5), 3.0).centre == pytest.approx(3.0, rel=1e-14)
 
 
-def test_overdamped_modes_do_not_resonate():
+def test_overdamped_modes_do_not_resonate() -> None:
     system = type(mathieu())(
         np.eye(2), np.zeros((2, 2)), np.diag([0.0, 10.0]), np.eye(2), sla.hilbert(2)[None]
     )  # the second mode decays without oscillating
     assert nearest(system, 2.0).p == 1
 
 
-def test_far_from_everything():
+def test_far_from_everything() -> None:
     with pytest.raises(ValueError, match=r"near = 2\.5 is not within 5% of any"):
         nearest(mathieu(), 2.5)
 
@@ -117,6 +117,6 @@ def test_what_is_meant_can_be_said() -> None:
         ({"j": 3}, r"\(omega_p ± omega_q\) / j with j = 3"),
     ],
 )
-def test_what_is_meant_has_to_exist(wrong, message) -> None:
+def test_what_is_meant_has_to_exist(wrong: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         trace_boundary(mathieu(), 2.0, [0.1], **wrong)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from floquet.boundary.resonance import Resonance, natural_modes, open_types, resonances
+from floquet.boundary import Resonance, natural_modes, open_types, resonances
 from floquet.regions.widths import Candidate, candidates
 from periodic import PeriodicSystem
 

@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from floquet import Region
-from floquet.boundary.resonance import Resonance
+from floquet.boundary import Resonance
 from floquet.regions.stretches import branches
 from floquet.regions.tongues import Tongue
 from periodic.checks import FloatArray
