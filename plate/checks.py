@@ -1,4 +1,4 @@
-"""What the arguments of a plate have to be, each check raising ValueError with argument, value and remedy."""
+"""Checks of the arguments of a plate. Each raises ValueError with argument, value and remedy."""
 
 from __future__ import annotations
 
@@ -9,23 +9,24 @@ from numpy.typing import ArrayLike
 
 from periodic.checks import FloatArray, grid, real_number, whole_number
 
-# Beyond these a plate is a beam or a string, and the smallest stiffness drowns in the rounding of the largest.
-ASPECT_RATIOS = (1e-3, 1e3)
-THICKNESS_RATIOS = (0.0, 1.0)
+# Limits of a/b and of h/b. Beyond those of a/b the smallest stiffness is lost in the rounding of the largest.
+ASPECT_RATIO_LIMITS = (1e-3, 1e3)
+THICKNESS_RATIO_LIMITS = (0.0, 1.0)
 
-# Its square, times anything of a plate, is still a float.
-HIGHEST_FREQUENCY = 1e100
+# Largest excitation frequency, dimensionless: its square times any parameter of a plate is still a float.
+MAX_FREQUENCY = 1e100
 
-# More trial functions than any study needs; the limits keep a slip from filling the memory.
-MOST_TERMS = 100
-MOST_COORDINATES = 1000
-MOST_INPLANE_TERMS = 50
+# Most trial functions in one direction, most coordinates, and most in-plane functions in one direction: far more than a
+# study needs, few enough that a slip does not fill the memory.
+MAX_TRANSVERSE_TERMS = 100
+MAX_PLATE_COORDINATES = 1000
+MAX_INPLANE_TERMS = 50
 
-# Points of a stress field's grid in each direction: steps of a fortieth.
-GRID = 41
+# Points in each direction of the default grid of a stress field.
+STRESS_GRID_POINTS = 41
 
-# A place beyond the end of the plate by this share of its length is on the end: rounding of x/a times r.
-PLACE_ROUNDING = 1e-12
+# A position beyond the end of the plate by at most this part of its length is taken as the end.
+POSITION_TOLERANCE = 1e-12
 
 
 def ratio(name: str, value: Any, limits: tuple[float, float]) -> float:
@@ -40,8 +41,8 @@ def ratio(name: str, value: Any, limits: tuple[float, float]) -> float:
 def frequency(name: str, value: Any) -> float:
     """Return ``value`` as an excitation frequency whose square is a float."""
     number = real_number(name, value, nonnegative=True)
-    if number > HIGHEST_FREQUENCY:
-        raise ValueError(f"{name} = {number!r} is no plate's; give at most {HIGHEST_FREQUENCY:g}")
+    if number > MAX_FREQUENCY:
+        raise ValueError(f"{name} = {number!r} is no plate's; give at most {MAX_FREQUENCY:g}")
     return number
 
 
@@ -55,7 +56,7 @@ def poisson_ratio(value: Any) -> float:
 
 def terms(name: str, value: Any) -> int:
     """Return ``value`` as a number of transverse trial functions in one direction."""
-    return whole_number(name, value, least=1, most=MOST_TERMS)
+    return whole_number(name, value, least=1, most=MAX_TRANSVERSE_TERMS)
 
 
 def inplane_terms(value: Any) -> tuple[int, int]:
@@ -65,15 +66,15 @@ def inplane_terms(value: Any) -> tuple[int, int]:
     except (TypeError, ValueError):
         raise ValueError(f"inplane_terms = {value!r} is not a pair; give (axial, lateral), such as (9, 9)") from None
     return (
-        whole_number("inplane_terms[0]", axial, least=2, most=MOST_INPLANE_TERMS),
-        whole_number("inplane_terms[1]", lateral, least=1, most=MOST_INPLANE_TERMS),
+        whole_number("inplane_terms[0]", axial, least=2, most=MAX_INPLANE_TERMS),
+        whole_number("inplane_terms[1]", lateral, least=1, most=MAX_INPLANE_TERMS),
     )
 
 
 def places(name: str, value: ArrayLike | None, end: float) -> FloatArray:
     """Return ``value`` as increasing places from 0 to ``end``, shape (k,); equally spaced ones in place of None."""
-    found = grid(name, np.linspace(0.0, end, GRID) if value is None else value)
-    if found[0] < 0 or found[-1] > end * (1 + PLACE_ROUNDING):
+    found = grid(name, np.linspace(0.0, end, STRESS_GRID_POINTS) if value is None else value)
+    if found[0] < 0 or found[-1] > end * (1 + POSITION_TOLERANCE):
         raise ValueError(f"{name} runs from {found[0]:.6g} to {found[-1]:.6g}; keep within 0 to {end:.6g}")
     found = np.minimum(found, end)
     found.setflags(write=False)

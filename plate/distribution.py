@@ -74,8 +74,8 @@ class Distribution:
         values = real_array("f", f, 1)
         if values.shape != places.shape:
             raise ValueError(f"f has {values.size} values; give {places.size}, one for each y")
-        middles, rises = (values[1:] + values[:-1]) / 2, (values[1:] - values[:-1]) / 2
-        return cls(tuple(places), tuple(zip(middles, rises, strict=True)))
+        means, half_rises = (values[1:] + values[:-1]) / 2, (values[1:] - values[:-1]) / 2
+        return cls(tuple(places), tuple(zip(means, half_rises, strict=True)))
 
     @property
     def bound(self) -> float:

@@ -10,8 +10,8 @@ from scipy.optimize import brentq
 
 from periodic.checks import FloatArray
 
-# The last part of the speeds below ``fastest`` is left out: F_c0 is singular at its end.
-LEFT_OUT = 1e-9
+# The search ends this part below ``fastest``, where F_c0 is singular.
+SINGULAR_SPEED_MARGIN = 1e-9
 
 
 def divergence_speed(
@@ -38,7 +38,7 @@ def divergence_speed(
 
     def inverse_square(speed: float) -> float:
         """Return 1 / V_cr^2 under the static stress at ``speed``."""
-        # as the largest eigenvalue it keeps its accuracy beside the stiff lateral bending of a long plate
+        # the largest eigenvalue stays accurate beside the stiff lateral bending of a long plate, the smallest would not
         return float(eigh(-K_og, K_oe + tension * F_c0(speed), eigvals_only=True)[-1])
 
     def excess(speed: float) -> float:
@@ -54,7 +54,7 @@ def divergence_speed(
         raise ValueError(_buckled(K_oe, F_c0(0.0), tension)) from None
     if math.isinf(fastest):
         return at_rest
-    highest = (1 - LEFT_OUT) * fastest
+    highest = (1 - SINGULAR_SPEED_MARGIN) * fastest
     for top in (min(2 * at_rest, highest), highest):
         if excess(top) >= 0:
             return float(brentq(excess, 0.0, top, xtol=1e-14 * at_rest, rtol=1e-14))

@@ -1,10 +1,10 @@
-"""F of eq. (11) at hundreds of frequencies: eq. (8) solved in a small basis, every answer checked by its residual.
+"""The "dynamic" stress model: eq. (8) in full, at hundreds of frequencies.
 
-A chart asks for F at each of its Omega. Between in-plane resonances the response to the edge load is an analytic
-function of frequency, so that a few responses, taken at Chebyshev nodes, span all others to rounding (a Galerkin
-reduced basis). The residual of eq. (8) in the energy norm tells the error of each answer; where it is too large (beside
-resonances, beyond the last node) the full system is solved instead. The basis depends on the plate alone, not on what
-was asked before, so that results do not depend on the order in which a chart is computed.
+A chart asks for F of eq. (11) at each of its Omega. Between in-plane resonances the response to the edge load is an
+analytic function of frequency. A few responses, taken at Chebyshev nodes, therefore span all others to rounding (a
+Galerkin reduced basis). The residual of eq. (8) in the energy norm tells the error of each answer. Where it is too
+large (beside resonances, beyond the last node) the full system is solved instead. The basis depends on the plate alone,
+so that results do not depend on the order of the questions.
 """
 
 from __future__ import annotations
@@ -15,24 +15,24 @@ from functools import cached_property
 
 import numpy as np
 
-from periodic.checks import FloatArray
-from plate.inplane import ComplexArray, InPlaneBlock
+from periodic.checks import ComplexArray, FloatArray
+from plate.inplane import InPlaneSubsystem
 from plate.stress import StaticStress
 from plate.transverse import NumericArray
 
-# The basis spans frequencies up to this kappa = w / C. The lowest stretching resonance of a square plate is at 2.6.
-HIGHEST_KAPPA = 5.0
+# Largest kappa = w / C that the basis spans. The lowest stretching resonance of a square plate is at 2.6.
+MAX_BASIS_KAPPA = 5.0
 
-# Frequencies at which responses are taken: enough for residuals near rounding except beside resonances.
-SNAPSHOTS = 20
+# Number of frequencies at which responses are taken: residuals are then near rounding, except beside resonances.
+BASIS_FREQUENCIES = 20
 
-# Largest accepted residual of eq. (8) relative to the edge force, in the energy norm: the order of the error of F.
-RESIDUAL = 1e-10
+# Largest accepted residual of eq. (8), as a part of the edge force in the energy norm; F is about as accurate.
+MAX_RELATIVE_RESIDUAL = 1e-10
 
-# Directions below this share of the largest one are rounding.
-RANK = 1e-13
+# Singular values of the responses below this part of the largest one are rounding.
+BASIS_RANK_TOLERANCE = 1e-13
 
-# An in-plane response this many times the static one (in the energy norm) is called resonant: what a single mode shows
+# An in-plane response of this many times the static one (in the energy norm) is called resonant. A single mode shows it
 # within a tenth of its frequency.
 RESONANT_AMPLIFICATION = 5.0
 
@@ -86,15 +86,15 @@ class DynamicStress(StaticStress):
         n = self.K * self.lateral
         F = np.zeros((n, n), dtype=np.complex128)
         for basis in self._bases:
-            block, static = basis.block, basis.static[harmonic]
+            subsystem, static = basis.subsystem, basis.static[harmonic]
             z, residual = basis.solve(static, kappa, mach, loss)
-            if residual <= RESIDUAL * np.linalg.norm(static):
+            if residual <= MAX_RELATIVE_RESIDUAL * np.linalg.norm(static):
                 F += np.tensordot(z, basis.stiffness, axes=1)
             else:
-                z = block.solve(static, kappa, mach, loss)
-                F += self._stiffness(block.shapes @ z)
+                z = subsystem.solve(static, kappa, mach, loss)
+                F += self._stiffness(subsystem.shapes @ z)
             if np.linalg.norm(z) * abs(1 + 1j * loss) > RESONANT_AMPLIFICATION * np.linalg.norm(static):
-                resonance = self.wave_speed * block.frequencies[np.argmin(np.abs(block.frequencies - kappa))]
+                resonance = self.wave_speed * subsystem.frequencies[np.argmin(np.abs(subsystem.frequencies - kappa))]
                 warnings.warn(
                     f"harmonic {harmonic} of the excitation comes near the in-plane natural frequency {resonance:.6g} "
                     f"(Omega = {resonance / harmonic:.6g}); the in-plane stress is more than "
@@ -111,33 +111,33 @@ class DynamicStress(StaticStress):
     @cached_property
     def _bases(self) -> list[ReducedBasis]:
         """A basis for each lateral symmetry that the load excites."""
-        kappas = HIGHEST_KAPPA * np.sin(np.pi * (np.arange(SNAPSHOTS) + 0.5) / (2 * SNAPSHOTS)) ** 2
+        kappas = MAX_BASIS_KAPPA * np.sin(np.pi * (np.arange(BASIS_FREQUENCIES) + 0.5) / (2 * BASIS_FREQUENCIES)) ** 2
         bases = []
-        for block in self.problem.blocks:
-            static = np.array(self.forces) @ block.shapes
+        for subsystem in self.problem.subsystems:
+            static = np.array(self.forces) @ subsystem.shapes
             if not (np.abs(static[1:]) ** 2).any():  # no load, or one whose squares underflow
                 continue
             loads = np.concatenate([static[1:].real, static[1:].imag]).T
-            responses = [block.solve(loads, *self._at(kappa * self.wave_speed)) for kappa in kappas]
+            responses = [subsystem.solve(loads, *self._at(kappa * self.wave_speed)) for kappa in kappas]
             Q = _real_span(np.hstack(responses))
-            stiffness = self._stiffness((block.shapes @ Q).T)
-            terms = np.stack([Q, block.inertia @ Q, block.gyroscopic @ Q, block.transport @ Q])
-            bases.append(ReducedBasis(block, static, Q, terms, Q.T @ terms, stiffness))
+            stiffness = self._stiffness((subsystem.shapes @ Q).T)
+            terms = np.stack([Q, subsystem.inertia @ Q, subsystem.gyroscopic @ Q, subsystem.transport @ Q])
+            bases.append(ReducedBasis(subsystem, static, Q, terms, Q.T @ terms, stiffness))
         return bases
 
 
 @dataclass(frozen=True, eq=False)
 class ReducedBasis:
-    """A few directions that span the responses of one `InPlaneBlock`.
+    """A few directions that span the responses of one `InPlaneSubsystem`.
 
     Parameters
     ----------
-    block : InPlaneBlock
+    subsystem : InPlaneSubsystem
         The full equations.
     static : ndarray of complex, shape (J + 1, N)
         Static responses to the edge loads f_cj - i f_sj, j = 0 to J.
     directions : ndarray, shape (N, R)
-        Orthonormal columns Q, in the block's energy coordinates.
+        Orthonormal columns Q, in the subsystem's energy coordinates.
     terms : ndarray, shape (4, N, R)
         The terms of eq. (8) applied to Q: K_ie = I, M_i, G_i and K_ig.
     reduced : ndarray, shape (4, R, R)
@@ -146,7 +146,7 @@ class ReducedBasis:
         F of the stresses of each direction.
     """
 
-    block: InPlaneBlock
+    subsystem: InPlaneSubsystem
     static: ComplexArray
     directions: FloatArray
     terms: FloatArray
@@ -166,4 +166,4 @@ def _real_span(vectors: ComplexArray) -> FloatArray:
     lengths = np.linalg.norm(vectors, axis=0)
     unit = vectors[:, lengths > 0] / lengths[lengths > 0]
     U, singular, _ = np.linalg.svd(np.hstack([unit.real, unit.imag]), full_matrices=False)
-    return U[:, singular > RANK * singular[0]]
+    return U[:, singular > BASIS_RANK_TOLERANCE * singular[0]]

@@ -6,11 +6,11 @@ nu = 0: the unknowns are C^2 u and C^2 v; frequency w = j Omega and speed enter 
 
     [ (1 + i w c) K_ie - kappa^2 M_i + i kappa (V/C) G_i + (V/C)^2 K_ig ] U = f [phi(r, Y) - phi(0, Y)]
 
-The rigid translation u = const is left out at every frequency. It carries no stress, and since its columns of G_i, K_ig
-and K_ie vanish and M_i is diagonal it acts on nothing else; without it the operator is regular at w = 0 too. There
+The rigid translation u = const is left out at every frequency. It carries no stress. Its columns of G_i, K_ig and K_ie
+vanish and M_i is diagonal, so that it acts on nothing else; without it the operator is regular at w = 0 too. At w = 0
 eq. (8) in full keeps V^2 K_ig, the inertia of material that moves through a field stretched unevenly.
 
-Functions even about the mid-line in u and odd in v ("symmetric") never couple with the others: two blocks.
+There are two subsystems: functions even in u and odd in v about the mid-line ("symmetric") never couple with the rest.
 """
 
 from __future__ import annotations
@@ -37,12 +37,11 @@ from plate.basis import (
 from plate.distribution import Distribution
 from plate.transverse import NumericArray, stress_quadrature, stress_stiffness
 
-# Share of the largest Legendre coefficient of a load below which a coefficient is rounding.
-ROUNDING = 1e-14
+# Legendre coefficients of a load below this part of the largest one are rounding.
+LOAD_COEFFICIENT_TOLERANCE = 1e-14
 
-# Imaginary part of an eigenvalue, relative to its modulus, below which it is real: a double one is good to half the
-# digits.
-REAL = 1e-7
+# An eigenvalue is real if its imaginary part is below this part of its modulus: double ones keep half the digits.
+REAL_EIGENVALUE_TOLERANCE = 1e-7
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +83,7 @@ class InPlaneFrequencies(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class InPlaneBlock:
+class InPlaneSubsystem:
     """Eq. (8) for one lateral symmetry in energy coordinates z, in which K_ie is the identity.
 
     Parameters
@@ -147,30 +146,30 @@ class InPlaneProblem:
     lateral: int
 
     @cached_property
-    def blocks(self) -> tuple[InPlaneBlock, InPlaneBlock]:
-        """The symmetric block (u even, v odd about the mid-line) and the antisymmetric one."""
+    def subsystems(self) -> tuple[InPlaneSubsystem, InPlaneSubsystem]:
+        """The symmetric subsystem (u even, v odd about the mid-line) and the antisymmetric one."""
         K, G, K_g = self._matrices()
         n = np.arange(self.lateral)
         antisymmetric = np.concatenate([np.tile(n % 2, self.axial), np.tile((n + 1) % 2, self.axial)])
-        elastic = np.arange(antisymmetric.size) > 0  # all but the rigid translation, p_0 q_0 in u
-        blocks = []
+        elastic = np.arange(antisymmetric.size) > 0  # all functions but the rigid translation, p_0 q_0 in u
+        subsystems = []
         for parity in (0, 1):
             members = np.flatnonzero((antisymmetric == parity) & elastic)
             here = np.ix_(members, members)
-            # K_ie = R^T R and z = R U: unlike modes, these coordinates stay accurate when a long plate is a soft beam
+            # K_ie = R^T R and z = R U: these coordinates stay accurate for a long plate (a soft beam), modes would not
             R = cholesky(K[here])
             inverse = solve_triangular(R, np.eye(members.size))
             shapes = np.zeros((antisymmetric.size, members.size))
             shapes[members] = inverse
             matrices = (inverse.T @ inverse, inverse.T @ G[here] @ inverse, inverse.T @ K_g[here] @ inverse)
-            blocks.append(InPlaneBlock(shapes, *matrices))
-        return blocks[0], blocks[1]
+            subsystems.append(InPlaneSubsystem(shapes, *matrices))
+        return subsystems[0], subsystems[1]
 
     @property
     def divergence_speed(self) -> float:
         """The smallest V / C at which I + (V/C)^2 K_ig is singular: the plate diverges in its own plane."""
-        squares = np.concatenate([np.linalg.eigvals(-block.transport) for block in self.blocks])
-        real = squares.real[(np.abs(squares.imag) <= REAL * np.abs(squares)) & (squares.real > 0)]
+        squares = np.concatenate([np.linalg.eigvals(-subsystem.transport) for subsystem in self.subsystems])
+        real = squares.real[(np.abs(squares.imag) <= REAL_EIGENVALUE_TOLERANCE * np.abs(squares)) & (squares.real > 0)]
         return 1 / math.sqrt(real.max()) if real.size else math.inf
 
     def force(self, load: Distribution) -> FloatArray:
@@ -178,20 +177,20 @@ class InPlaneProblem:
         m = np.arange(self.axial)
         rise = np.where(m % 2 == 1, 2 * np.sqrt((2 * m + 1) / self.r), 0.0)  # p_m(r) - p_m(0)
         projection = load.projection(self.lateral)
-        # rounding in what a load symmetric about the mid-line should not excite at all
-        projection[np.abs(projection) < ROUNDING * np.abs(projection).max()] = 0.0
+        # a load symmetric about the mid-line excites only even functions, exactly
+        projection[np.abs(projection) < LOAD_COEFFICIENT_TOLERANCE * np.abs(projection).max()] = 0.0
         on_u = np.outer(rise, projection).ravel()
         return np.concatenate([on_u, np.zeros_like(on_u)])
 
     def static_response(self, force: NumericArray) -> NumericArray:
         """Return the coefficients of u and v, multiplied by beta, without inertia and transport: K_ie^-1 force."""
-        return sum((block.shapes @ (block.shapes.T @ force) for block in self.blocks), np.zeros_like(force))
+        return sum((part.shapes @ (part.shapes.T @ force) for part in self.subsystems), np.zeros_like(force))
 
     def response(self, force: NumericArray, kappa: float, mach: float, loss: float) -> ComplexArray:
-        """Return the coefficients of u and v, multiplied by beta (1 + i w c); arguments as `InPlaneBlock.solve`."""
+        """Return the coefficients of u and v, multiplied by beta (1 + i w c); arguments as `InPlaneSubsystem.solve`."""
         coefficients = np.zeros(force.shape, dtype=np.complex128)
-        for block in self.blocks:
-            coefficients += block.shapes @ block.solve(block.shapes.T @ force, kappa, mach, loss)
+        for subsystem in self.subsystems:
+            coefficients += subsystem.shapes @ subsystem.solve(subsystem.shapes.T @ force, kappa, mach, loss)
         return (1 + 1j * loss) * coefficients
 
     def stress_stiffness(self, coefficients: NumericArray, K: int, lateral: int) -> NumericArray:

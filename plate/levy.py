@@ -28,54 +28,54 @@ import numpy as np
 from numpy.polynomial.polynomial import polyder, polyval
 from scipy.special import exp1, zeta
 
-from periodic.checks import FloatArray
+from periodic.checks import ComplexArray, FloatArray
 from plate.basis import gauss_legendre
 from plate.distribution import Distribution
-from plate.inplane import ComplexArray
 from plate.transverse import NumericArray
 
-# Integrals and sums of e^-x end where it is rounding.
-EXPONENT = 37.0
+# Beyond this x, e^-x is rounding: integrals and sums of it end here.
+NEGLIGIBLE_EXPONENT = 37.0
 
-# Nodes of Gauss's rule that integrate e^-x over that length to rounding.
+# Nodes of Gauss's rule that integrate e^-x from 0 to NEGLIGIBLE_EXPONENT to rounding.
 EXPONENTIAL_NODES = 20
 
-# Terms beyond this alpha are summed in closed form, with f and its derivatives up to the third: the fourth would enter
-# with alpha^-5.
-HIGHEST_ALPHA = 1000.0
-DERIVATIVES = 3
+# Terms up to (1 + 1/r) times this alpha are summed one by one, the others in closed form, with f and its derivatives up
+# to this order; the next would enter with alpha^-5.
+MAX_SUMMED_ALPHA = 1000.0
+LOAD_DERIVATIVES = 3
 
-# A piece of width w and degree n > 3 is smooth enough for that if alpha w exceeds SMOOTH n^2. Its degree is that of the
-# last Legendre coefficient that is not negligible beside the largest one.
-SMOOTH = 8.0
-NEGLIGIBLE = 1e-9
+# The closed form is accurate for a piece of width w and degree n > 3 if alpha w is at least this times n^2. The degree
+# is that of the last Legendre coefficient above LEGENDRE_TOLERANCE, a part of the largest one.
+MIN_SMOOTH_PHASE = 8.0
+LEGENDRE_TOLERANCE = 1e-9
 
-# Below this width the third derivative of a piece drowns in rounding.
-NARROW = 1e-6
+# Narrower pieces (in b) are taken as straight: their third derivative would be rounding.
+MIN_CURVED_WIDTH = 1e-6
 
-# Powers of alpha in the closed form. A break makes alpha D beside its own power, a free edge alpha Y beside that.
-POWERS = np.arange(-DERIVATIVES, 3)
+# Powers of alpha in the closed form: a break adds a factor alpha D to its own power, a free edge another one alpha Y.
+ALPHA_POWERS = np.arange(-LOAD_DERIVATIVES, 3)
 
-# For `sum_of_tail`: orders of its correction (after a hundred terms the next is rounding) and their power series in z,
-# of which 1.6 is 0.51 of the radius of convergence; the asymptotic series in 1/x, to rounding for |x| beyond FAR.
-CORRECTIONS = 9
-POWER_SERIES = 60
-FAR = 50.0
-ASYMPTOTIC_SERIES = 40
+# Orders of the correction in `sum_of_tail`: after a hundred terms the next order is rounding.
+EULER_MACLAURIN_ORDERS = 9
+# Terms of its power series in z. The largest |z|, 1.6, is 0.51 of the radius of convergence.
+POWER_SERIES_TERMS = 60
+# Beyond this |x| `exponential_integral` takes this many terms of the asymptotic series in 1/x.
+MIN_ASYMPTOTIC_ARGUMENT = 50.0
+ASYMPTOTIC_TERMS = 40
 
-# As near as anything comes to a singular point, divided by a/b. Places nearer than that differ by rounding.
-NEAREST = 1e-12
+# Smallest distance from a singular point, as a part of the length a: nearer points differ by rounding only.
+MIN_SINGULAR_DISTANCE = 1e-12
 
 
 def static_stresses(load: Distribution, r: float, nu: float, X: FloatArray, Y: FloatArray) -> FloatArray:
     """Return N_xx, N_yy, N_xy of the edge load f on a grid, shape (3, X.size, Y.size).
 
-    Exact to about 1e-11 of the largest load, beside edges, corners and jumps too, if the pieces of f are of degree up
-    to three or as smooth as half a wave over the width; to 1e-5 next to narrow pieces of a higher degree.
+    The error is about 1e-11 of the largest load, even beside edges, corners and jumps, if the pieces of f are of degree
+    up to three or as smooth as half a wave over the width. Next to narrow pieces of a higher degree it is up to 1e-5.
 
     On X = 0 and r the stress is N_xx = f and N_yy = nu f, as the supports impose. Where f jumps it is that of the
-    middle of the jump, and N_xy, which grows like the logarithm of the distance, is that `NEAREST` r away. At a corner
-    the stress depends on the direction it is approached from, unless f is zero there; what the edges impose is
+    middle of the jump. There N_xy grows like the logarithm of the distance; its value `MIN_SINGULAR_DISTANCE` r away is
+    returned. At a corner where f is not zero the stress depends on the direction of approach; what the edges impose is
     returned, N_xx = f and N_yy = N_xy = 0.
 
     Parameters
@@ -92,7 +92,7 @@ def static_stresses(load: Distribution, r: float, nu: float, X: FloatArray, Y: F
         Places from 0 to 1, increasing.
     """
     derivatives = [smoothed(load)]
-    for _ in range(DERIVATIVES):
+    for _ in range(LOAD_DERIVATIVES):
         derivatives.append(derivatives[-1].derivative)
     weights = kernel_weights(nu)
     series = Series(r, np.minimum(X, r - X))
@@ -106,7 +106,7 @@ def static_stresses(load: Distribution, r: float, nu: float, X: FloatArray, Y: F
         D = np.abs(Y - y)
         stress += series.rest(D, break_coefficients(np.array(jumps), side, D, weights))
         for edge in (0, 1):
-            as_seen = (-1.0) ** (edge * np.arange(1, DERIVATIVES + 2)) * jumps  # as jumps of f(1 - Y) for edge 1
+            as_seen = (-1.0) ** (edge * np.arange(1, LOAD_DERIVATIVES + 2)) * jumps  # as jumps of f(1 - Y) for edge 1
             d, D = abs(y - edge), np.abs(Y - edge)
             stress += mirrored(edge, series.rest(d + D, edge_coefficients(as_seen, d, D, weights)))
 
@@ -119,15 +119,15 @@ def static_stresses(load: Distribution, r: float, nu: float, X: FloatArray, Y: F
 
 
 def smoothed(load: Distribution) -> Distribution:
-    """Return the load as the closed form takes it: rough pieces cut into cubics, the narrowest ones made straight."""
+    """Return the load with rough pieces cut into cubics and the narrowest ones made straight, for the closed form."""
     breaks, rows = [0.0], []
     slopes = load.derivative
     for i, (start, end) in enumerate(pairwise(load.breaks)):
         width, row = end - start, load.coefficients[i]
-        degree = np.max(np.flatnonzero(np.abs(row) > NEGLIGIBLE * np.abs(row).max()), initial=0)
-        rough = degree > DERIVATIVES and HIGHEST_ALPHA * width < SMOOTH * degree**2
+        degree = np.max(np.flatnonzero(np.abs(row) > LEGENDRE_TOLERANCE * np.abs(row).max()), initial=0)
+        rough = degree > LOAD_DERIVATIVES and MAX_SUMMED_ALPHA * width < MIN_SMOOTH_PHASE * degree**2
         parts = degree**2 if rough else 1
-        narrow = degree > 1 and width < NARROW * parts
+        narrow = degree > 1 and width < MIN_CURVED_WIDTH * parts
         if not (rough or narrow):
             breaks.append(end)
             rows.append(row)
@@ -161,7 +161,7 @@ def series_coefficients(load: Distribution, alpha: FloatArray, weights: FloatArr
     strip = np.concatenate([np.tensordot(weights[:2], L + R, 1), np.tensordot(weights[2:], L - R, 1)])
     pqt = strip[..., np.searchsorted(stations, Y)]
 
-    # Waves from both free edges make q = t = 0 there: one pair of waves is even about the mid-line, the other is odd.
+    # Waves from both free edges make q = t = 0 there. One pair of waves is even about the mid-line, the other is odd.
     at_edges = [mirrored(edge, strip[..., -edge]) for edge in (0, 1)]
     for parity in (1, -1):
         _, q, t = (at_edges[0] + parity * at_edges[1]) / 2
@@ -184,14 +184,14 @@ def one_sided_integrals(load: Distribution, alpha: FloatArray, stations: FloatAr
     between, by Gauss's rule over the part of it that e^{-alpha s} leaves.
     """
     integrals = np.zeros((2, alpha.size, stations.size))
-    middles = (stations[1:] + stations[:-1]) / 2
-    pieces = np.clip(np.searchsorted(load.breaks, middles, side="right") - 1, 0, len(load.coefficients) - 1)
+    midpoints = (stations[1:] + stations[:-1]) / 2
+    pieces = np.clip(np.searchsorted(load.breaks, midpoints, side="right") - 1, 0, len(load.coefficients) - 1)
     for interval in list(pairwise(range(stations.size)))[::direction]:
         origin, here = interval[::direction]
         piece = pieces[interval[0]]
         x_origin = alpha * abs(stations[here] - stations[origin])
         nodes, node_weights = gauss_legendre(EXPONENTIAL_NODES + len(load.coefficients[piece]) // 2, 0.0, 1.0)
-        length = np.minimum(x_origin, EXPONENT)[:, None]
+        length = np.minimum(x_origin, NEGLIGIBLE_EXPONENT)[:, None]
         x = length * nodes
         gain = length * node_weights * np.exp(-x) * load.piece(piece, stations[here] - direction * x / alpha[:, None])
         decay = np.exp(-x_origin)
@@ -202,25 +202,25 @@ def one_sided_integrals(load: Distribution, alpha: FloatArray, stations: FloatAr
 
 
 def local_coefficients(values: FloatArray, weights: FloatArray) -> FloatArray:
-    """Return the factors of the powers of alpha in p, q and t that belong to place Y itself, shape (3, POWERS.size, q).
+    """Return the factors of the powers of alpha in p, q and t that f at Y gives, shape (3, ALPHA_POWERS.size, q).
 
-    ``values`` are those of f and its derivatives, shape (DERIVATIVES + 1, q). Far from breaks L_0 = sum (-1)^k f^(k) /
-    alpha^k and L_1 = sum (-1)^k (k + 1) f^(k) / alpha^k; R_0 and R_1 are the same without signs.
+    ``values`` are those of f and its derivatives at Y, shape (LOAD_DERIVATIVES + 1, q). Far from breaks L_0 is the sum
+    of (-1)^k f^(k) / alpha^k and L_1 that of (-1)^k (k + 1) f^(k) / alpha^k; R_0 and R_1 are the same without signs.
     """
-    coefficients = np.zeros((3, POWERS.size, values.shape[1]))
+    coefficients = np.zeros((3, ALPHA_POWERS.size, values.shape[1]))
     for k, value in enumerate(values):
         for row in (0, 1) if k % 2 == 0 else (2,):
             a, b = weights[row]
-            coefficients[row, DERIVATIVES - k] = (-1) ** k * 2 * (a + b * (k + 1)) * value
+            coefficients[row, LOAD_DERIVATIVES - k] = (-1) ** k * 2 * (a + b * (k + 1)) * value
     return coefficients
 
 
 def break_coefficients(jumps: FloatArray, side: FloatArray, D: FloatArray, weights: FloatArray) -> FloatArray:
-    """Return the factors of alpha^j e^{-alpha D} in p, q and t that belong to a break of f, shape (3, POWERS.size, q).
+    """Return the factors of alpha^j e^{-alpha D} in p, q, t that a break of f gives, shape (3, ALPHA_POWERS.size, q).
 
     Parameters
     ----------
-    jumps : ndarray, shape (DERIVATIVES + 1,)
+    jumps : ndarray, shape (LOAD_DERIVATIVES + 1,)
         Values of f and its derivatives to the right of the break less those to the left.
     side : ndarray, shape (q,)
         1 for places to the left of the break, where R_0 and R_1 reach beyond it, -1 for those to the right.
@@ -229,12 +229,12 @@ def break_coefficients(jumps: FloatArray, side: FloatArray, D: FloatArray, weigh
     weights : ndarray, shape (3, 2)
         As from `kernel_weights`.
     """
-    coefficients = np.zeros((3, POWERS.size, D.size))
+    coefficients = np.zeros((3, ALPHA_POWERS.size, D.size))
     for k, jump in enumerate(jumps):
         for row, (a, b) in enumerate(weights):
             factor = jump * side ** (k + 1) * (1.0 if row < 2 else -side)
-            coefficients[row, DERIVATIVES - k] += factor * (a + b * (k + 1))
-            coefficients[row, DERIVATIVES - k + 1] += factor * b * D
+            coefficients[row, LOAD_DERIVATIVES - k] += factor * (a + b * (k + 1))
+            coefficients[row, LOAD_DERIVATIVES - k + 1] += factor * b * D
     return coefficients
 
 
@@ -244,7 +244,7 @@ def edge_coefficients(jumps: FloatArray, d: float, Y: FloatArray, weights: Float
     Arguments as in `break_coefficients`; d is the distance of the break from that edge.
     """
     _, q, t = break_coefficients(jumps, np.ones(1), np.array([d]), weights)
-    B_Y = np.zeros((POWERS.size, Y.size))
+    B_Y = np.zeros((ALPHA_POWERS.size, Y.size))
     B_Y[1:] = (q + t)[:-1] * Y
     return edge_wave(q, q + t, B_Y)
 
@@ -279,11 +279,11 @@ class Series:
 
     @cached_property
     def alpha(self) -> FloatArray:
-        """alpha of the first terms, up to (1 + 1/r) `HIGHEST_ALPHA`, shape (terms,).
+        """alpha of the first terms, up to (1 + 1/r) `MAX_SUMMED_ALPHA`, shape (terms,).
 
-        These are at least the hundred that `CORRECTIONS` wants, however short the plate.
+        These are at least the hundred that `EULER_MACLAURIN_ORDERS` wants, however short the plate.
         """
-        count = math.ceil(HIGHEST_ALPHA * (1 + self.r) / (2 * math.pi))
+        count = math.ceil(MAX_SUMMED_ALPHA * (1 + self.r) / (2 * math.pi))
         return np.arange(1.0, 2.0 * count, 2.0) * (math.pi / self.r)
 
     def first_terms(self, coefficients: FloatArray) -> ComplexArray:
@@ -292,24 +292,24 @@ class Series:
 
     @cached_property
     def rest_here(self) -> ComplexArray:
-        """The sums of g alpha^j e^{i alpha X} over all other terms, shape (p, POWERS.size)."""
-        inside = np.maximum(self.X / self.r, NEAREST**2)  # on X = 0 the limit, as sum g sin(alpha X) = 1
+        """The sums of g alpha^j e^{i alpha X} over all other terms, shape (p, ALPHA_POWERS.size)."""
+        inside = np.maximum(self.X / self.r, MIN_SINGULAR_DISTANCE**2)  # X = 0: the limit, where sum g sin(alpha X) = 1
         return self._sums(-1j * np.pi * inside).T
 
     def rest(self, D: FloatArray, coefficients: FloatArray) -> ComplexArray:
         """Return the sum of coefficients g alpha^j e^{-alpha D} e^{i alpha X} over all other terms, shape (3, p, q)."""
         total = np.zeros((3, self.X.size, D.size), dtype=np.complex128)
-        near = self.alpha[-1] * D < EXPONENT
+        near = self.alpha[-1] * D < NEGLIGIBLE_EXPONENT
         if near.any():
             z = np.pi / self.r * (D[near] - 1j * self.X[:, None])
-            z[np.abs(z) < np.pi * NEAREST] = -1j * np.pi * NEAREST
+            z[np.abs(z) < np.pi * MIN_SINGULAR_DISTANCE] = -1j * np.pi * MIN_SINGULAR_DISTANCE
             total[:, :, near] = np.einsum("cjq,jpq->cpq", coefficients[:, :, near], self._sums(z))
         return total
 
     def _sums(self, z: ComplexArray) -> ComplexArray:
-        """Return the sums of g alpha^j e^{-m z} over all other terms, shape (POWERS.size, *z.shape)."""
-        tails = [sum_of_tail(int(1 - j), 2 * self.alpha.size + 1, z) for j in POWERS]
-        return np.stack([4 / np.pi * (np.pi / self.r) ** j * tail for j, tail in zip(POWERS, tails, strict=True)])
+        """Return the sums of g alpha^j e^{-m z} over all other terms, shape (ALPHA_POWERS.size, *z.shape)."""
+        tails = [sum_of_tail(int(1 - j), 2 * self.alpha.size + 1, z) for j in ALPHA_POWERS]
+        return np.stack([4 / np.pi * (np.pi / self.r) ** j * tail for j, tail in zip(ALPHA_POWERS, tails, strict=True)])
 
 
 def sum_of_tail(k: int, start: int, z: ComplexArray) -> ComplexArray:
@@ -326,11 +326,11 @@ def sum_of_tail(k: int, start: int, z: ComplexArray) -> ComplexArray:
 @cache
 def _corrections(k: int, start: int) -> FloatArray:
     """Return the powers of z in sum_j h^(j)(start) / j! c_j(z)."""
-    n = np.arange(1, POWER_SERIES // 2)
-    c: FloatArray = np.zeros(POWER_SERIES)
+    n = np.arange(1, POWER_SERIES_TERMS // 2)
+    c: FloatArray = np.zeros(POWER_SERIES_TERMS)
     c[0], c[2 * n - 1] = 0.5, -((-1.0) ** n) * zeta(2.0 * n) / np.pi ** (2 * n)
-    total, h = np.zeros(POWER_SERIES), float(start) ** -k
-    for j in range(CORRECTIONS):
+    total, h = np.zeros(POWER_SERIES_TERMS), float(start) ** -k
+    for j in range(EULER_MACLAURIN_ORDERS):
         total[: c.size] += h * c
         c, h = np.asarray(-polyder(c), dtype=np.float64), -h * (k + j) / ((j + 1) * start)
     return total
@@ -344,7 +344,7 @@ def exponential_integral(k: int, x: ComplexArray) -> ComplexArray:
     E = exp1(x)
     for i in range(1, k):
         E = (decay - x * E) / i
-    far = np.abs(x) > FAR  # where the recursion loses digits
-    rising = np.cumprod([1.0, *(-(k + n) for n in range(ASYMPTOTIC_SERIES))])
+    far = np.abs(x) > MIN_ASYMPTOTIC_ARGUMENT  # where the recursion loses digits
+    rising = np.cumprod([1.0, *(-(k + n) for n in range(ASYMPTOTIC_TERMS))])
     E[far] = decay[far] / x[far] * polyval(1 / x[far], rising)
     return E

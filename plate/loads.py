@@ -16,23 +16,23 @@ from plate.distribution import Distribution
 
 WAVEFORMS = ("cosine", "square", "triangle", "sawtooth")
 
-# Harmonics kept of a waveform that has infinitely many: the first three of a square or triangle wave.
-DEFAULT_HARMONICS = 5
+# Harmonics of a named waveform by default: the first three that a square or triangle wave has.
+DEFAULT_WAVEFORM_HARMONICS = 5
 
-# More harmonics than anybody integrates; keeps a slip such as {10**9: ...} from filling the memory.
-MOST_HARMONICS = 1000
+# Most harmonics of a load: more than anybody integrates, few enough that a slip does not fill the memory.
+MAX_LOAD_HARMONICS = 1000
 
-# Two places on the edge that differ by less are the same: rounding of centre - width / 2, never a real gap.
-EDGE_ROUNDING = 1e-14
+# Two positions on the edge (in b) that differ by less are the same: rounding of centre - width / 2.
+MIN_EDGE_GAP = 1e-14
 
-# A mean this near to 1 is 1: scaling it again would only change the last digit.
-ROUNDING = 1e-14
+# A static load whose mean differs from 1 by less is not scaled again: only its last digit would change.
+UNIT_MEAN_TOLERANCE = 1e-14
 
-# A mean below this share of the mean modulus is zero but for rounding and cannot be scaled to 1.
-ZERO_MEAN = 1e-10
+# A mean below this part of the mean modulus is rounding; a load with such a mean cannot be scaled to mean 1.
+MIN_RELATIVE_MEAN = 1e-10
 
-# Terms of the Legendre series of the cosine arch: j_20(pi / 2) = 5e-22, far below rounding.
-COSINE_TERMS = 21
+# Terms of the Legendre series of the cosine arch; the last, j_20(pi / 2) = 5e-22, is far below rounding.
+COSINE_LEGENDRE_TERMS = 21
 
 
 @dataclass(frozen=True)
@@ -74,12 +74,12 @@ class EdgeLoad:
         if not isinstance(self.static, Distribution):
             raise ValueError(f"static = {self.static!r} is no Distribution; use EdgeLoad.uniform() or a sister of it")
         mean = self.static.mean
-        if mean <= ZERO_MEAN * self.static.bound:
+        if mean <= MIN_RELATIVE_MEAN * self.static.bound:
             raise ValueError(
                 f"the static load has mean {mean:.6g}; give a positive mean (the sign belongs to tension; "
                 "a distribution of zero mean can be a harmonic: Distribution.from_samples and with_waveform)"
             )
-        if not math.isclose(mean, 1, rel_tol=ROUNDING):
+        if not math.isclose(mean, 1, rel_tol=UNIT_MEAN_TOLERANCE):
             object.__setattr__(self, "static", self.static * (1 / mean))
         if not self.f_c and not self.f_s:
             object.__setattr__(self, "f_c", (self.static,))
@@ -134,16 +134,16 @@ class EdgeLoad:
         """
         width, centre = real_number("width", width, positive=True), real_number("centre", centre)
         start, end = centre - width / 2, centre + width / 2
-        if start < -EDGE_ROUNDING or end > 1 + EDGE_ROUNDING:
+        if start < -MIN_EDGE_GAP or end > 1 + MIN_EDGE_GAP:
             raise ValueError(
                 f"width = {width!r}, centre = {centre!r} load y/b from {start:.6g} to {end:.6g}; keep within 0 to 1"
             )
         pieces = ((0.0, start, 0.0), (start, end, 1 / width), (end, 1.0, 0.0))
-        kept = [(low, high, value) for low, high, value in pieces if high - low > EDGE_ROUNDING]
-        if not any(value for *_, value in kept):
-            raise ValueError(f"width = {width!r} is too narrow; give more than {EDGE_ROUNDING}")
-        breaks = (0.0, *(low for low, *_ in kept[1:]), 1.0)
-        return cls(Distribution(breaks, tuple((value,) for *_, value in kept)))
+        nonempty = [(low, high, value) for low, high, value in pieces if high - low > MIN_EDGE_GAP]
+        if not any(value for *_, value in nonempty):
+            raise ValueError(f"width = {width!r} is too narrow; give more than {MIN_EDGE_GAP}")
+        breaks = (0.0, *(low for low, *_ in nonempty[1:]), 1.0)
+        return cls(Distribution(breaks, tuple((value,) for *_, value in nonempty)))
 
     @classmethod
     def parabolic(cls, edge: float = 0.0) -> EdgeLoad:
@@ -178,7 +178,7 @@ class EdgeLoad:
         """
         edge = real_number("edge", edge)
         # cos(w xi) = sum over even n of (2 n + 1) (-1)^(n/2) j_n(w) P_n(xi), here with w = pi/2 (DLMF 10.60.7)
-        n = np.arange(COSINE_TERMS)
+        n = np.arange(COSINE_LEGENDRE_TERMS)
         sign = np.array([1.0, 0.0, -1.0, 0.0])[n % 4]
         row = (1 - edge) * np.pi / 2 * (2 * n + 1) * sign * spherical_jn(n, np.pi / 2)
         row[0] = 1.0
@@ -253,9 +253,9 @@ class EdgeLoad:
         >>> load = EdgeLoad.uniform().with_waveform({1: (EdgeLoad.partial(0.5, centre=0.25), 0.0), 2: (bending, 0.0)})
         """
         if harmonics is not None:
-            harmonics = whole_number("harmonics", harmonics, least=1, most=MOST_HARMONICS)
+            harmonics = whole_number("harmonics", harmonics, least=1, most=MAX_LOAD_HARMONICS)
         if isinstance(waveform, Mapping):
-            factors = {whole_number("harmonic", j, least=1, most=MOST_HARMONICS): waveform[j] for j in waveform}
+            factors = {whole_number("harmonic", j, least=1, most=MAX_LOAD_HARMONICS): waveform[j] for j in waveform}
             if not factors:
                 raise ValueError("waveform is empty; give at least one harmonic, such as {1: (1.0, 0.0)}")
             J = harmonics or max(factors)
@@ -263,7 +263,7 @@ class EdgeLoad:
                 raise ValueError(f"waveform has harmonic {max(factors)}; give harmonics >= {max(factors)}, not {J}")
         else:
             name = one_of("waveform", waveform, WAVEFORMS)
-            J = harmonics or (1 if name == "cosine" else DEFAULT_HARMONICS)
+            J = harmonics or (1 if name == "cosine" else DEFAULT_WAVEFORM_HARMONICS)
             factors = dict(enumerate(_fourier_coefficients(name, J), start=1))
         pairs = [self._pair(j, factors.get(j, (0.0, 0.0))) for j in range(1, J + 1)]
         return replace(self, f_c=tuple(c for c, _ in pairs), f_s=tuple(s for _, s in pairs))

@@ -1,4 +1,4 @@
-"""The moving plate as one set of dimensionless parameters, eq. (12), and its way to and from SI units."""
+"""`MovingPlate`: the dimensionless parameters of eq. (12), the matrices of eq. (11), and SI units."""
 
 from __future__ import annotations
 
@@ -80,12 +80,12 @@ class MovingPlate:
 
     def __post_init__(self) -> None:
         checked = {
-            "aspect_ratio": checks.ratio("aspect_ratio", self.aspect_ratio, checks.ASPECT_RATIOS),
+            "aspect_ratio": checks.ratio("aspect_ratio", self.aspect_ratio, checks.ASPECT_RATIO_LIMITS),
             "speed": real_number("speed", self.speed),
             "tension": real_number("tension", self.tension),
             "damping": real_number("damping", self.damping, nonnegative=True),
             "poisson_ratio": checks.poisson_ratio(self.poisson_ratio),
-            "thickness_ratio": checks.ratio("thickness_ratio", self.thickness_ratio, checks.THICKNESS_RATIOS),
+            "thickness_ratio": checks.ratio("thickness_ratio", self.thickness_ratio, checks.THICKNESS_RATIO_LIMITS),
             "inplane": one_of("inplane", self.inplane, INPLANE_MODELS),
             "axial_terms": checks.terms("axial_terms", self.axial_terms),
             "lateral_terms": checks.terms("lateral_terms", self.lateral_terms),
@@ -93,10 +93,10 @@ class MovingPlate:
         }
         for name, value in checked.items():
             object.__setattr__(self, name, value)
-        if self.axial_terms * self.lateral_terms > checks.MOST_COORDINATES:
+        if self.axial_terms * self.lateral_terms > checks.MAX_PLATE_COORDINATES:
             raise ValueError(
                 f"axial_terms * lateral_terms = {self.axial_terms * self.lateral_terms} coordinates; "
-                f"give at most {checks.MOST_COORDINATES}"
+                f"give at most {checks.MAX_PLATE_COORDINATES}"
             )
         if self.inplane != "membrane" and self.inplane_terms[0] < self.aspect_ratio:
             raise ValueError(
@@ -227,7 +227,8 @@ class MovingPlate:
         Those of the discretised problem (8), whatever ``inplane`` says; the lowest half or so are accurate. The rigid
         translation along x, of frequency 0, is left out.
         """
-        return InPlaneFrequencies(*(_read_only(self._wave_speed * b.frequencies) for b in self._inplane_problem.blocks))
+        at_rest = (self._wave_speed * part.frequencies for part in self._inplane_problem.subsystems)
+        return InPlaneFrequencies(*(_read_only(frequencies) for frequencies in at_rest))
 
     def at(self, Omega: float) -> PeriodicSystem:
         """Return the system (11) at excitation frequency ``Omega`` (`periodic.SystemFamily`).

@@ -1,4 +1,4 @@
-"""How the in-plane stress follows from the edge load: "membrane" and "static" (`plate.dynamic` has "dynamic")."""
+"""Models of the in-plane stress: "membrane" and "static". The third, "dynamic", is in `plate.dynamic`."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from typing import Protocol
 
 import numpy as np
 
-from periodic.checks import FloatArray
+from periodic.checks import ComplexArray, FloatArray
 from plate.distribution import Distribution
-from plate.inplane import ComplexArray, InPlaneProblem
+from plate.inplane import InPlaneProblem
 from plate.levy import static_stresses
 from plate.loads import EdgeLoad
 from plate.transverse import NumericArray, membrane_stiffness
 
 
 class StressModel(Protocol):
-    """What `plate.MovingPlate` asks of a model; all stresses per unit tension."""
+    """What a model of the in-plane stress must provide to `plate.MovingPlate`; all stresses are per unit tension."""
 
     def static_stiffness(self, speed: float) -> FloatArray:
         """Return F_c0 of eq. (11) at transport speed V, shape (n, n)."""
@@ -34,7 +34,7 @@ class StressModel(Protocol):
 
 @dataclass(frozen=True)
 class MembraneStress:
-    """N_xx = f(y), N_yy = N_xy = 0: what the paper takes where it neglects in-plane inertia.
+    """N_xx = f(y), N_yy = N_xy = 0: the paper's stress where it neglects in-plane inertia.
 
     Parameters
     ----------
@@ -75,10 +75,10 @@ class MembraneStress:
 class StaticStress:
     """The stress of eq. (8) without inertia and transport: elastic equilibrium at every instant.
 
-    F is that of the trial space (6), whose stress oscillates about the true one beside corners and jumps of the load;
-    its integrals converge well all the same. ``field``, to look at, is the true stress: `plate.levy`.
+    F comes from the trial space (6). Its stress oscillates about the true one beside corners and jumps of the load, but
+    the integrals in F converge well. ``field`` is the true stress, from `plate.levy`.
 
-    Kelvin–Voigt damping does not enter, since the factor 1 + i w c of the strains and that of the stresses cancel.
+    Kelvin–Voigt damping does not enter: the strains carry the factor 1 / (1 + i w c) and the stresses 1 + i w c.
 
     Parameters
     ----------

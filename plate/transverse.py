@@ -28,8 +28,8 @@ from plate.distribution import Distribution
 Rule = tuple[FloatArray, FloatArray]
 NumericArray = NDArray[Any]
 
-# Nodes beyond the phase limit after which the quadrature error is below rounding (tested by doubling the rule).
-SPARE_NODES = 16
+# Gauss nodes beyond the pi m / 4 that resolve m half waves: the error is then below rounding (tested by doubling).
+SPARE_QUADRATURE_NODES = 16
 
 
 def gyroscopic(K: int, lateral: int, r: float) -> FloatArray:
@@ -70,7 +70,7 @@ def stress_quadrature(K: int, lateral: int, r: float, inplane_terms: tuple[int, 
     """
     axial, across = inplane_terms
     phase = math.pi * (axial + 2 * K)
-    X_rule = gauss_legendre(math.ceil(axial / 2 + phase / 4) + SPARE_NODES, 0.0, r)
+    X_rule = gauss_legendre(math.ceil(axial / 2 + phase / 4) + SPARE_QUADRATURE_NODES, 0.0, r)
     Y_rule = gauss_legendre((across - 1 + 2 * (lateral - 1)) // 2 + 1, 0.0, 1.0)
     return X_rule, Y_rule
 

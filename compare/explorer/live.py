@@ -32,7 +32,7 @@ from compare.files.cases import Plate
 from floquet import StabilityChart, stability_chart
 from periodic import SystemFamily
 from periodic.checks import whole_number
-from plate.loads import WAVEFORMS
+from plate import WAVEFORMS
 
 logger = logging.getLogger(__name__)
 

@@ -20,8 +20,7 @@ from hypothesis import strategies as st
 
 from floquet import Kind, monodromy, stability_chart
 from periodic import PeriodicSystem
-from plate import MovingPlate
-from plate.distribution import Distribution
+from plate import Distribution, MovingPlate
 from tests.strategies import amplitudes, arrays, frequencies, join, plates, seeds, systems, transformed
 
 some = settings(

@@ -150,7 +150,7 @@ def test_reduction_serves_a_chart_of_a_thin_plate(monkeypatch: pytest.MonkeyPatc
     # On the standard plate no frequency of a chart needs the full system: refuse to solve it after the basis is made.
     plate_ = MovingPlate(inplane="dynamic", load=OBLIQUE)
     plate_.at(1.0)
-    monkeypatch.setattr("plate.inplane.InPlaneBlock.solve", None)
+    monkeypatch.setattr("plate.inplane.InPlaneSubsystem.solve", None)
     for Omega in np.linspace(1, 120, 40):
         plate_.at(float(Omega))
 

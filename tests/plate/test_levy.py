@@ -162,7 +162,7 @@ def test_terms_in_closed_form_are_those_left_out(monkeypatch: pytest.MonkeyPatch
     places = np.array([0.0, 1e-9, 1e-6, 1e-3, 0.05, 0.25, 0.3 + 1e-5, 0.5])
     X, Y = r * places, np.concatenate([places, (1 - places[-2::-1])])
     many = static_stresses(LOADS[load], r, 0.3, X, Y)
-    monkeypatch.setattr(plate.levy, "HIGHEST_ALPHA", 2000.0)
+    monkeypatch.setattr(plate.levy, "MAX_SUMMED_ALPHA", 2000.0)
     few = static_stresses(LOADS[load], r, 0.3, X, Y)
     np.testing.assert_allclose(few, many, atol=1e-11 if r < 50 else 5e-11)  # the waves of a long plate nearly coincide
 
@@ -211,7 +211,7 @@ def test_tails_by_direct_summation(k: int) -> None:
     m = np.arange(start, 200_000, 2, dtype=np.longdouble)
     z = np.array([1e-3, 0.003 - 0.002j, 0.01, 0.05 - 0.1j, 0.1, 0.03 - 1.5j])
     direct = (np.exp(-np.outer(z.astype(np.clongdouble), m)) * m**-k).sum(axis=1)
-    # where |start z| is just below FAR the recursion of E_k has lost four digits
+    # where |start z| is just below MIN_ASYMPTOTIC_ARGUMENT the recursion of E_k has lost four digits
     np.testing.assert_allclose(sum_of_tail(k, start, z), direct.astype(complex), rtol=1e-11)
     if k > 0:  # as z -> 0: (1 - 2^-k) zeta(k) less the first terms
         if k > 1:
