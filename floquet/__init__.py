@@ -3,7 +3,7 @@
 from floquet.boundary import BoundaryTrace, trace_boundary
 from floquet.chart.chart import StabilityChart, stability_chart
 from floquet.kind import Kind
-from floquet.oracle.point import Monodromy, monodromy
+from floquet.oracle import Monodromy, monodromy
 from floquet.regions.regions import Region, trace_regions
 
 __all__ = [

@@ -58,7 +58,7 @@ def main(arguments: list[str] | None = None) -> int:
     running.steady_output()
     options = _parser().parse_args(arguments)
     try:
-        from floquet.certified.growth import Verdict, certified_growth
+        from floquet.certified import ProvedVerdict, certified_growth
 
         systems = _systems(options)
         decided = True
@@ -70,7 +70,7 @@ def main(arguments: list[str] | None = None) -> int:
                 print(f"  Omega = {Omega!r}, eps = {eps!r}: {found.verdict} ({found.bits} bits)")
                 print(f"    {found.reason}")
                 print(f"    growth rate in [{found.lower!r}, {found.upper!r}]", flush=True)
-                decided &= found.verdict is not Verdict.UNDECIDED
+                decided &= found.verdict is not ProvedVerdict.UNDECIDED
     except (ValueError, ImportError) as error:
         print(f"certify: {error}", file=sys.stderr)
         return 2

@@ -20,7 +20,7 @@ from floquet.boundary.resonance import (
     nearest_resonance,
 )
 from floquet.kind import Kind
-from floquet.oracle.point import is_unstable
+from floquet.oracle import is_unstable
 from periodic import SystemFamily, member_at
 from periodic.checks import ComplexArray, FloatArray, one_of, real_array, real_number, whole_number
 

@@ -9,9 +9,7 @@ import numpy as np
 import scipy.linalg as sla
 
 from floquet.boundary.resonance import Modes, Resonance
-from floquet.oracle.multipliers import eigensystem
-from floquet.oracle.point import period_map, propagate, steps_of_period
-from floquet.oracle.reduction import Reduction, modulation, reduce_system
+from floquet.oracle import Subsystem, eigensystem, modulation, period_map, propagate, reduce_system, steps_of_period
 from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import ComplexArray
 
@@ -62,7 +60,7 @@ class Pair:
         self.coupled = first is second
         self.strength = modulation(first.equations)
         self.lock = (-1.0) ** resonance.j if resonance.p == resonance.q else None
-        self._latest: tuple[PeriodicSystem, float, Reduction] | None = None
+        self._latest: tuple[PeriodicSystem, float, Subsystem] | None = None
 
     def at(self, Omega: float, eps: float, reference: ComplexArray, *, with_error: bool = False) -> Point:
         """Return the pair: the multipliers whose eigenvectors lie most in the span of ``reference`` (2n, 2).
@@ -97,7 +95,7 @@ class Pair:
         from_q = self._subsystem(point.Omega, eps).from_q
         return float(np.cos(sla.subspace_angles(from_q @ self.solutions, from_q @ point.solutions).max()))
 
-    def _subsystem(self, Omega: float, eps: float) -> Reduction:
+    def _subsystem(self, Omega: float, eps: float) -> Subsystem:
         """Return the subsystem of the pair; computed anew only if the system or eps has changed."""
         member = self.family.at(Omega)
         if self._latest is None or self._latest[0] is not member or self._latest[1] != eps:
@@ -187,6 +185,6 @@ def _partner(mu: ComplexArray, first: int, decay: float) -> int:
     return int(min(others, key=lambda i: abs(np.log(abs(mu[i] * mu[first])) + decay)))
 
 
-def _home(subsystems: list[Reduction], solution: ComplexArray) -> Reduction:
+def _home(subsystems: list[Subsystem], solution: ComplexArray) -> Subsystem:
     """Return the subsystem that a solution belongs to."""
     return max(subsystems, key=lambda subsystem: float(np.linalg.norm(subsystem.from_q @ solution)))

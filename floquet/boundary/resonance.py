@@ -11,7 +11,7 @@ import scipy.linalg as sla
 from numpy.typing import NDArray
 
 from floquet.kind import Kind
-from floquet.oracle.reduction import ROUNDING, constant_matrix, reduce_system
+from floquet.oracle import ASSEMBLY_ROUNDING, constant_matrix, reduce_system
 from periodic import PeriodicSystem
 from periodic.checks import ComplexArray, is_positive_definite
 
@@ -162,7 +162,7 @@ def open_types(system: PeriodicSystem) -> tuple[str, ...]:
     """
     parts = np.concatenate([system.stiffness[None], system.cosine, system.sine])
     asymmetry = np.abs(parts - parts.transpose(0, 2, 1)).max(axis=(1, 2))
-    symmetric = bool((asymmetry <= ROUNDING * np.abs(parts).max(axis=(1, 2))).all())
+    symmetric = bool((asymmetry <= ASSEMBLY_ROUNDING * np.abs(parts).max(axis=(1, 2))).all())
     definite = symmetric and is_positive_definite((system.stiffness + system.stiffness.T) / 2)
     return ("sum",) if definite else ("sum", "difference")
 

@@ -1,8 +1,8 @@
 """The monodromy matrix in ball arithmetic: Taylor steps with a proved remainder (docs/certify.md, sections 1 and 2).
 
-Every number is a ball, midpoint and radius, that contains the exact value, and every operation keeps it so (Arb, part
-of FLINT: F. Johansson, IEEE Transactions on Computers 66 (2017) 1281-1292). Nothing is shared with the integrators that
-are held against this. The public names are in `floquet.certified`.
+Every number is a ball, a midpoint with a radius, that contains the exact value, and every operation keeps it so (Arb,
+part of FLINT: F. Johansson, IEEE Transactions on Computers 66 (2017) 1281-1292). Nothing is shared with the integrators
+that are held against this.
 """
 
 from __future__ import annotations
@@ -18,32 +18,54 @@ from flint import arb, arb_mat, fmpq
 from periodic import PeriodicSystem
 from periodic.checks import FloatArray
 
-# Sum over a step of the norm that governs its Taylor coefficients. exp(8) between the largest term and the sum costs
-# 12 bits; longer steps save little work.
-LONGEST_STEP = 8.0
+# Length of a step times the norm that governs its Taylor coefficients. The largest term exceeds the sum by up to
+# exp(8), which costs 12 bits; longer steps save little work.
+MAX_STEP_NORM = 8.0
 # Steps in a period times the cost of a product of matrices, in multiplications: some ten seconds at 128 bits.
-MOST_WORK = 1e6
+# A point that needs more is refused.
+MAX_WORK = 1e6
 # What a product of matrices costs besides its multiplications, in multiplications.
-OVERHEAD = 60
+PRODUCT_OVERHEAD = 60
 
 
 class Equation(NamedTuple):
     """z' = [[-P, -(Q + sum_j F_j(t)) / scale], [scale I, 0]] z, where W = basis y and z = (y', scale y).
 
     Any nonsingular basis and positive scale leave the multipliers alone; these make norms small in any units of W.
+
+    Attributes
+    ----------
+    basis : flint.arb_mat, shape (n, n)
+    scale : flint.arb
+        Per unit of time.
+    Omega : flint.arb
+    P, Q : flint.arb_mat, shape (n, n)
+        M^-1 (G + C) and M^-1 K.
+    F : dict
+        eps M^-1 F_cj at (j, 0) and eps M^-1 F_sj at (j, 3): sin u = cos(u + 3 pi / 2).
+    steady : flint.arb
+        Norm (largest absolute row sum) of the constant part of the equation's matrix.
+    pulsating : dict
+        Bound of the norm of the part with frequency j Omega.
+    form : flint.arb_mat or None
+        Skew J with Phi^T J Phi = J, if the system is conservative.
+    reciprocal : bool
+        Proved: with mu, 1 / conj(mu) is a multiplier.
+    mean_growth : flint.arb
+        Mean of log|mu| / T over all multipliers, by Liouville's formula.
     """
 
     basis: arb_mat
     scale: arb
     Omega: arb
-    P: arb_mat  # M^-1 (G + C)
-    Q: arb_mat  # M^-1 K
-    F: dict[tuple[int, int], arb_mat]  # eps M^-1 F_cj at (j, 0), eps M^-1 F_sj at (j, 3): sin u = cos(u + 3 pi / 2)
-    steady: arb  # norm (largest absolute row sum) of the constant part of the equation's matrix
-    pulsating: dict[int, arb]  # bound of the norm of the part of frequency j Omega
-    form: arb_mat | None  # skew J with Phi^T J Phi = J, if the system is conservative
-    reciprocal: bool  # proved: with mu, 1 / conj(mu) is a multiplier
-    mean_growth: arb  # mean of log|mu| / T over all multipliers, by Liouville's formula
+    P: arb_mat
+    Q: arb_mat
+    F: dict[tuple[int, int], arb_mat]
+    steady: arb
+    pulsating: dict[int, arb]
+    form: arb_mat | None
+    reciprocal: bool
+    mean_growth: arb
 
 
 def equation_of_motion(system: PeriodicSystem, Omega: float, eps: float) -> Equation:
@@ -74,7 +96,7 @@ def equation_of_motion(system: PeriodicSystem, Omega: float, eps: float) -> Equa
         pulsating[j] = pulsating.get(j, arb(0)) + norm(matrix) / scale
 
     zero = arb_mat(system.size, system.size)
-    # Structure is read off the given matrices: it holds exactly or not at all.
+    # structure is read off the given matrices: it holds exactly or not at all
     undamped = not system.damping.any()
     symmetric = all(np.array_equal(a, a.T) for a in (system.stiffness, *excitation.values()))
     even = not system.gyroscopic.any() and all(quarters == 0 for _, quarters in excitation)
@@ -87,7 +109,7 @@ def equation_of_motion(system: PeriodicSystem, Omega: float, eps: float) -> Equa
         F=F,
         steady=(p + q / scale).max(scale),
         pulsating=pulsating,
-        form=blocks([[zero, mass], [-mass, gyroscopic / -scale]]) if undamped and symmetric else None,
+        form=block_matrix([[zero, mass], [-mass, gyroscopic / -scale]]) if undamped and symmetric else None,
         reciprocal=undamped and (symmetric or even),
         mean_growth=-damping.trace() / (2 * system.size),
     )
@@ -106,7 +128,7 @@ def flow(equation: Equation, bits: int) -> arb_mat:
         series[j, quarters] = terms
     remainder = _remainder(equation, steps, order, radius)
     maps = [_step(equation, h, _coefficients(equation, h, series, steps, m), order) + remainder for m in range(steps)]
-    # by halves: in a product of all steps in a row the balls would grow like the product of the steps' norms
+    # by halves: in a product from one end to the other the balls would grow like the product of the steps' norms
     while len(maps) > 1:
         pairs = [later * earlier for earlier, later in zip(maps[::2], maps[1::2], strict=False)]
         maps = pairs + maps[2 * len(pairs) :]
@@ -119,9 +141,9 @@ def norm(matrix: arb_mat) -> arb:
     return reduce(arb.max, rows)
 
 
-def blocks(rows: list[list[arb_mat]]) -> arb_mat:
-    """Return the matrix made of these square blocks."""
-    return arb_mat([list(chain(*parts)) for row in rows for parts in zip(*(b.tolist() for b in row), strict=True)])
+def block_matrix(rows: list[list[arb_mat]]) -> arb_mat:
+    """Return the matrix that consists of these square matrices, row by row."""
+    return arb_mat([list(chain(*parts)) for row in rows for parts in zip(*(one.tolist() for one in row), strict=True)])
 
 
 def _exact(matrix: FloatArray) -> arb_mat:
@@ -141,9 +163,9 @@ def _modal_basis(system: PeriodicSystem) -> FloatArray:
 
 
 def _plan(equation: Equation, bits: int) -> tuple[int, int, arb]:
-    """Return steps in a period, degree of a step's polynomial and radius of its majorant for the least work.
+    """Return the number of steps, the degree of a step's polynomial and the radius of its majorant for the least work.
 
-    Any values give a valid enclosure; `_remainder` is what proves it.
+    Any values give a valid enclosure; `_remainder` proves it.
     """
     n, Omega = equation.P.nrows(), float(equation.Omega)
     steady = float(2 * arb.pi() * equation.steady / equation.Omega)
@@ -151,7 +173,7 @@ def _plan(equation: Equation, bits: int) -> tuple[int, int, arb]:
     # above zero also where it underflows, for 0 times infinity is no number
     amplitude = np.array([max(float(g / (k * equation.Omega)), 1e-300) for k, g in equation.pulsating.items()])
     total = steady + 2 * math.pi * float(j @ amplitude)
-    fewest, most = total / LONGEST_STEP, MOST_WORK / (2 * n**3 + OVERHEAD)
+    fewest, most = total / MAX_STEP_NORM, MAX_WORK / (2 * n**3 + PRODUCT_OVERHEAD)
     if not fewest < most:
         raise ValueError(
             f"n = {n} coordinates at Omega = {Omega!r} need {fewest:.3g} steps in a period, beyond the {most:.0f} "
@@ -171,10 +193,11 @@ def _plan(equation: Equation, bits: int) -> tuple[int, int, arb]:
 
 
 def _remainder(equation: Equation, steps: int, order: int, radius: arb) -> arb_mat:
-    """Return balls about zero that contain what the Taylor series of a step holds beyond degree ``order``, at its end.
+    """Return balls about zero that contain the Taylor series of a step beyond degree ``order``, at the step's end.
 
-    The Taylor coefficients of the equation's matrix have norms at most those of a scalar function alpha, so the flow's
-    are at most those of exp(int_0^s alpha). Cauchy's estimate on |s| = radius bounds their sum from order + 1 on.
+    The Taylor coefficients of the equation's matrix have norms at most those of a scalar function alpha. Those of the
+    flow are then at most those of exp(int_0^s alpha). Cauchy's estimate on |s| = radius bounds their sum from
+    order + 1 on.
     """
     exponent = 2 * arb.pi() / equation.Omega / steps * equation.steady * radius
     for j, amplitude in equation.pulsating.items():

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquet.kind import Kind
-from floquet.oracle.point import monodromy
+from floquet.oracle import monodromy
 from periodic import PeriodicSystem
 from periodic.checks import FloatArray
 

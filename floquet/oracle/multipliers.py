@@ -14,9 +14,15 @@ from scipy.sparse.csgraph import connected_components
 from floquet.kind import Kind
 from periodic.checks import ComplexArray, FloatArray
 
-# A multiplier whose error, to first order in that of the matrix, is below this part of the distance to its nearest
-# neighbour is isolated: it is known to first order, and no admissible error lets it meet another.
-ISOLATED = 0.1
+# A multiplier is isolated if its first-order error is below this part of the distance to its nearest neighbour: no
+# admissible error then lets it meet another.
+ISOLATED_SHIFT = 0.1
+# Error that the QR algorithm itself makes: this many roundings of the norm of the matrix.
+QR_ROUNDINGS = 4
+# Relative accuracy to which the excursion of a multiplier is looked for.
+EXCURSION_TOLERANCE = 0.1
+# A signature below this part of the form is none: the multipliers are about to leave the circle.
+MIN_SIGNATURE = 1e-6
 
 
 class Spectrum(NamedTuple):
@@ -40,14 +46,14 @@ def spectrum(
     error : float
         Estimated spectral norm of the error of ``Phi``.
     reciprocal : bool
-        True if with mu also 1/conj(mu) is a multiplier, as for conservative and for reversible systems. Then a simple
-        multiplier cannot leave the unit circle alone, and stable means that all lie on it; else stable means that all
-        lie inside.
+        True if with mu also 1/conj(mu) is a multiplier, as for conservative and for reversible systems. A simple
+        multiplier then cannot leave the unit circle alone, and stable means that all lie on it. Otherwise stable means
+        that all lie inside.
     bounded : bool
         True if a positive definite energy is conserved: nothing grows, even where multipliers meet.
     form : ndarray, shape (N, N), optional
-        Skew-symmetric matrix that ``Phi`` conserves, Phi^T form Phi = form. It tells apart multipliers that can leave
-        the unit circle where they meet from those that cannot (M. G. Krein's signature).
+        Skew-symmetric matrix that ``Phi`` conserves, Phi^T form Phi = form. It tells which multipliers can leave the
+        unit circle where they meet (M. G. Krein's signature).
 
     Returns
     -------
@@ -55,20 +61,19 @@ def spectrum(
 
     Notes
     -----
-    A simple multiplier moves by at most kappa E, where kappa is its condition number and E the error of
-    ``Phi``. Near a multiple one kappa is infinite, but the shift stays of the order of sqrt(E): there it is read from
-    the pseudospectrum, as the largest distance along the ray through mu at which some error of norm E can put a
+    An error E of ``Phi`` moves a simple multiplier by at most kappa E, where kappa is its condition number. At a
+    multiple one kappa is infinite, but the shift stays of the order of sqrt(E). There it is read from the
+    pseudospectrum: it is the largest distance along the ray through mu at which some error of norm E can put a
     multiplier (L. N. Trefethen and M. Embree, Spectra and Pseudospectra, 2005, chapter 2).
     """
     mu, left, right = eigensystem(Phi)
     norm = float(np.linalg.norm(Phi))
-    # the QR algorithm itself: backward error a small multiple of the rounding of the norm
-    E = error + 4 * np.finfo(float).eps * norm
+    E = error + QR_ROUNDINGS * np.finfo(float).eps * norm
     with np.errstate(divide="ignore"):
         kappa = 1 / np.abs(np.einsum("ij,ij->j", left.conj(), right))  # both sets are normalised
     first_order = np.minimum(kappa * E, 2 * norm + E)
     distance = np.abs(mu[:, None] - mu) + np.diag(np.full(len(mu), np.inf))
-    crowded = first_order > ISOLATED * distance.min(axis=1)
+    crowded = first_order > ISOLATED_SHIFT * distance.min(axis=1)
     modulus = np.abs(mu)
     shift = first_order.copy()
     for i in np.flatnonzero(crowded & (modulus + first_order > modulus.max()) & (mu.imag >= 0)):
@@ -79,7 +84,7 @@ def spectrum(
     upper = np.log1p((modulus + shift - modulus[top]).max() / modulus[top])
     down = max(shift[top], first_order[top])
     if crowded[top]:
-        # an error that can make the largest meet its nearest neighbour can turn the two into a complex pair, half-way
+        # if an error can make the two meet, it can turn them into a complex pair of their mean modulus
         near = int(distance[top].argmin())
         middle = 0.5 * (mu[top] + mu[near]) * np.eye(len(Phi))
         if sla.svdvals(middle - Phi)[-1] <= E:
@@ -103,8 +108,8 @@ def spectrum(
 def eigensystem(Phi: FloatArray) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
     """Return the eigenvalues (N,) of a matrix, and its left and right eigenvectors in columns, normalised.
 
-    Scaled by a power of two, which rounds nothing: matrices above 1e138 LAPACK scales itself, and then, if vectors are
-    wanted as well, it returned eigenvalues that were too small, by a factor of 500 and more.
+    The matrix is scaled by a power of two, which rounds nothing. LAPACK scales matrices above 1e138 itself; with
+    vectors wanted as well it then returned eigenvalues that were too small by a factor of 500 and more.
     """
     scale = 2.0 ** np.floor(np.log2(max(float(np.abs(Phi).max()), 1.0)))
     mu, left, right = sla.eig(Phi / scale, left=True, right=True)
@@ -146,7 +151,7 @@ def _excursion(Phi: FloatArray, mu: complex, E: float, most: float) -> float:
     low, high = np.log(E), np.log(most)
     if low >= high or margin(low) >= 0 or margin(high) <= 0:
         return max(E, most) if low >= high or margin(high) <= 0 else E
-    return float(np.exp(brentq(margin, low, high, xtol=0.1)))
+    return float(np.exp(brentq(margin, low, high, xtol=EXCURSION_TOLERANCE)))
 
 
 def _held(
@@ -162,7 +167,7 @@ def _held(
         return True
     if form is None:
         return False
-    reach = np.maximum(first_order[:, None], first_order) / ISOLATED
+    reach = np.maximum(first_order[:, None], first_order) / ISOLATED_SHIFT
     _, cluster = connected_components(distance <= reach, directed=False)
     return all(_definite(Phi, mu, cluster == c, form) for c in np.unique(cluster[crowded]))
 
@@ -179,5 +184,4 @@ def _definite(Phi: FloatArray, mu: ComplexArray, members: NDArray[np.bool_], for
         return False
     X = basis[:, :count]
     signs = np.linalg.eigvalsh(1j * X.conj().T @ form @ X)
-    # a signature below this part of the form is no signature: the multipliers are about to leave
-    return bool(signs[0] * signs[-1] > 0 and np.abs(signs).min() > 1e-6 * np.linalg.norm(form, 2))
+    return bool(signs[0] * signs[-1] > 0 and np.abs(signs).min() > MIN_SIGNATURE * np.linalg.norm(form, 2))

@@ -9,31 +9,31 @@ import scipy.linalg as sla
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
-from floquet.oracle.taylor import LARGEST, Coefficients
+from floquet.oracle.taylor import MAX_SOLUTION, Equations
 from periodic import PeriodicSystem
 from periodic.checks import FloatArray
 
 # Couplings and asymmetries below this part of the largest entry of their matrix are rounding errors of its assembly.
-# What is dropped is charged to the error estimate.
-ROUNDING = 1e-14
-# A hidden symmetry is used if the couplings it leaves, in energy coordinates, are below this part of the rate of
-# motion: dropping them then costs little more than rounding does anyway.
-SYMMETRY = 1e-14
+# They are dropped, and charged to the error estimate.
+ASSEMBLY_ROUNDING = 1e-14
+# A hidden symmetry is used if the couplings that it leaves are below this part of the rate of motion, in energy
+# coordinates. Dropping them then costs little more than rounding does anyway.
+MAX_SPLIT_COUPLING = 1e-14
 
 
-class Reduction(NamedTuple):
+class Subsystem(NamedTuple):
     """One decoupled subsystem of m coordinates; `floquet.oracle.taylor` has its equations in y = (y1, y2).
 
     Attributes
     ----------
     to_q : ndarray, shape (2n, 2m)
-        The part of q = (W', W), eq. (13), that the subsystem contributes is to_q @ y.
+        The subsystem contributes to_q @ y to q = (W', W) of eq. (13).
     from_q : ndarray, shape (2m, 2n)
         y = from_q @ q.
-    equations : Coefficients
-        Coefficients.
+    equations : Equations
+        Coefficients of the equations of motion of y.
     rate : float
-        Bound on the norm of the coefficient matrix at any time: no free motion is faster.
+        Bound on the norm of the coefficient matrix at any time, per unit of time: no free motion is faster.
     neglected : float
         Norm of all couplings and asymmetries dropped, as a coefficient matrix of y, per unit of time.
     reciprocal : bool
@@ -46,7 +46,7 @@ class Reduction(NamedTuple):
 
     to_q: FloatArray
     from_q: FloatArray
-    equations: Coefficients
+    equations: Equations
     rate: float
     neglected: float
     reciprocal: bool
@@ -54,13 +54,25 @@ class Reduction(NamedTuple):
     form: FloatArray | None
 
 
-def reduce_system(system: PeriodicSystem, eps: float, slowest: float) -> list[Reduction]:
+def reduce_system(system: PeriodicSystem, eps: float, slowest: float) -> list[Subsystem]:
     """Split ``system`` at amplitude ``eps`` into subsystems and write each in energy coordinates.
 
-    With modes of the symmetric part of the stiffness, mass-normalised, W = modes @ (y1 / w) and W' = modes @ y2. The
-    scales w are the square roots of the moduli of the eigenvalues: a conservative motion is nearly a rotation of
-    (y1, y2), and the monodromy matrix as well-conditioned as can be. ``slowest`` > 0 is the scale of coordinates
-    without stiffness.
+    The modes are those of the symmetric part of the stiffness, mass-normalised: W = modes @ (y1 / w), W' = modes @ y2.
+    The scales w are the square roots of the moduli of the eigenvalues. A conservative motion is then nearly a rotation
+    of (y1, y2), and the monodromy matrix as well-conditioned as can be.
+
+    Parameters
+    ----------
+    system : PeriodicSystem
+        The system.
+    eps : float
+        Excitation amplitude.
+    slowest : float
+        Scale w > 0 of coordinates without stiffness, a frequency.
+
+    Returns
+    -------
+    list of Subsystem
 
     Raises
     ------
@@ -72,35 +84,35 @@ def reduce_system(system: PeriodicSystem, eps: float, slowest: float) -> list[Re
     scale = 1 / np.sqrt(np.diag(system.mass))
     with np.errstate(over="ignore", invalid="ignore"):
         to_unit_mass = scale[:, None] * matrices * scale
-    if not (np.abs(to_unit_mass) <= LARGEST).all():
+    if not (np.abs(to_unit_mass) <= MAX_SOLUTION).all():
         raise ValueError(
-            f"mass, stiffness or excitation at eps = {eps!r}: per unit of mass, an entry exceeds {LARGEST:.0e}; "
+            f"mass, stiffness or excitation at eps = {eps!r}: per unit of mass, an entry exceeds {MAX_SOLUTION:.0e}; "
             "change the units or give a smaller eps"
         )
     separate = _columns(np.eye(system.size), _components(to_unit_mass))
     symmetric = [part for basis in separate for part in _symmetry_parts(matrices, basis)]
     if len(symmetric) > len(separate):
         subsystems = _reduce_all(matrices, symmetric, slowest)
-        if subsystems[0].neglected <= SYMMETRY * min(subsystem.rate for subsystem in subsystems):
+        if subsystems[0].neglected <= MAX_SPLIT_COUPLING * min(subsystem.rate for subsystem in subsystems):
             return subsystems
     return _reduce_all(matrices, separate, slowest)
 
 
-def constant_matrix(equations: Coefficients) -> FloatArray:
+def constant_matrix(equations: Equations) -> FloatArray:
     """Return the matrix A (2m, 2m) of y' = A y without excitation."""
     B, D = _parts(equations)
     stiffness = np.diag(equations.k) + np.tensordot(equations.alpha[:, 0], B, 1)
     return np.block([[np.zeros_like(D), np.diag(equations.w)], [-stiffness, -D]])
 
 
-def modulation(equations: Coefficients) -> float:
+def modulation(equations: Equations) -> float:
     """Return a bound on the relative change of stiffness by the excitation (spectral norm in energy coordinates)."""
     B, _ = _parts(equations)
     sizes = np.linalg.norm(B / equations.w[:, None], 2, axis=(1, 2))
     return float(sizes @ np.hypot(equations.alpha, equations.beta)[:, 1:].sum(axis=1))
 
 
-def _parts(equations: Coefficients) -> tuple[FloatArray, FloatArray]:
+def _parts(equations: Equations) -> tuple[FloatArray, FloatArray]:
     """Return B (R, m, m) and D (m, m)."""
     m, functions = len(equations.w), len(equations.alpha)
     parts = equations.S.reshape(m, -1, m).transpose(1, 0, 2)
@@ -110,7 +122,7 @@ def _parts(equations: Coefficients) -> tuple[FloatArray, FloatArray]:
 def _components(matrices: FloatArray) -> NDArray[np.intp]:
     """Number the sets of coordinates that none of ``matrices`` (p, n, n) couples; return the set of each coordinate."""
     sizes = np.abs(matrices)
-    coupled = (sizes > ROUNDING * sizes.max(axis=(1, 2), keepdims=True)).any(axis=0)
+    coupled = (sizes > ASSEMBLY_ROUNDING * sizes.max(axis=(1, 2), keepdims=True)).any(axis=0)
     _, label = connected_components(coupled, directed=False)
     return np.asarray(label, dtype=np.intp)
 
@@ -123,8 +135,8 @@ def _columns(basis: FloatArray, label: NDArray[np.intp]) -> list[FloatArray]:
 def _symmetry_parts(matrices: FloatArray, basis: FloatArray) -> list[FloatArray]:
     """Split the space of ``basis`` (n, m) into parts that no matrix couples, whatever coordinates it is given in.
 
-    Such parts are spanned by eigenvectors of any symmetric combination of the matrices, so those of a random one are
-    tried. The modes alone would not do: equal frequencies leave them undetermined.
+    Eigenvectors of any symmetric combination of the matrices span such parts, so a random combination is tried. The
+    modes alone would not do: equal frequencies leave them undetermined.
     """
     if basis.shape[1] == 1:
         return [basis]
@@ -137,7 +149,7 @@ def _symmetry_parts(matrices: FloatArray, basis: FloatArray) -> list[FloatArray]
     return _columns(found, _components(found.T @ matrices @ found))
 
 
-def _reduce_all(matrices: FloatArray, bases: list[FloatArray], slowest: float) -> list[Reduction]:
+def _reduce_all(matrices: FloatArray, bases: list[FloatArray], slowest: float) -> list[Subsystem]:
     """Return the subsystems of the given bases; each is charged with what all of them neglect."""
     subsystems = [_reduce(matrices, basis, slowest) for basis in bases]
     if len(subsystems) == 1:
@@ -154,11 +166,11 @@ def _reduce_all(matrices: FloatArray, bases: list[FloatArray], slowest: float) -
     return [subsystem._replace(neglected=subsystem.neglected + float(neglected)) for subsystem in subsystems]
 
 
-def _reduce(matrices: FloatArray, basis: FloatArray, slowest: float) -> Reduction:
+def _reduce(matrices: FloatArray, basis: FloatArray, slowest: float) -> Subsystem:
     M, G, C, *_ = parts = basis.T @ matrices @ basis
     forces = parts[3:]  # K, eps F_c1 ... eps F_sJ
     skew = (forces - forces.transpose(0, 2, 1)) / 2
-    symmetric = bool((np.abs(skew).max(axis=(1, 2)) <= ROUNDING * np.abs(forces).max(axis=(1, 2))).all())
+    symmetric = bool((np.abs(skew).max(axis=(1, 2)) <= ASSEMBLY_ROUNDING * np.abs(forces).max(axis=(1, 2))).all())
     K = forces[0] - skew[0]
     _, modes = sla.eigh(K, M)
     # Rayleigh quotients: eigh gives every eigenvalue to rounding of the largest; for a graded stiffness, as of a Ritz
@@ -176,12 +188,12 @@ def _reduce(matrices: FloatArray, basis: FloatArray, slowest: float) -> Reductio
     alpha, beta, B = _forcing(np.zeros_like(asymmetry[0]) if symmetric else asymmetry[0], excitation)
     damped = bool(damping.any())
     S = np.ascontiguousarray(np.concatenate([*B, damping][: len(B) + damped], axis=1))
-    equations = Coefficients(w, k / w, S, damped, alpha, beta)
+    equations = Equations(w, k / w, S, damped, alpha, beta)
     sines = forces[1 + len(excitation) // 2 :]
     shapes = basis @ modes
     inverse = shapes.T @ matrices[0]
     zero = np.zeros_like(shapes)
-    return Reduction(
+    return Subsystem(
         to_q=np.block([[zero, shapes], [shapes / w, zero]]),
         from_q=np.block([[zero.T, w[:, None] * inverse], [inverse, zero.T]]),
         equations=equations,
@@ -194,7 +206,8 @@ def _reduce(matrices: FloatArray, basis: FloatArray, slowest: float) -> Reductio
 
 
 def _scales(k: FloatArray, excitation: FloatArray, slowest: float) -> FloatArray:
-    """Return w (m,): frequencies, but not below what the excitation alone would cause, up to ``slowest``."""
+    """Return the scales w (m,): frequencies, raised to those that the excitation alone would cause, at most
+    ``slowest``."""
     driven = np.sqrt(np.abs(np.diagonal(excitation, axis1=1, axis2=2)).sum(axis=0))
     w = np.maximum(np.sqrt(np.abs(k)), np.minimum(driven, slowest))
     return np.where(w > 0, w, slowest)
@@ -209,8 +222,8 @@ def _symplectic_form(w: FloatArray, gyroscopic: FloatArray) -> FloatArray:
 def _forcing(constant: FloatArray, excitation: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return alpha, beta (R, J + 1) and B (R, m, m) of `floquet.oracle.taylor` from F_c1 ... F_cJ, F_s1 ... F_sJ.
 
-    The harmonics of an excitation often share one distribution in space. R, the number of matrix products that a term
-    of the Taylor series costs, is therefore the rank of the span of the matrices, not their number.
+    R is the number of matrix products that a term of the Taylor series costs. The harmonics of an excitation often
+    share one distribution in space; R is therefore the rank of the span of the matrices, not their number.
     """
     J, m = len(excitation) // 2, len(constant)
     weights, sizes, basis = np.linalg.svd(excitation.reshape(2 * J, m * m), full_matrices=False)
@@ -226,7 +239,7 @@ def _forcing(constant: FloatArray, excitation: FloatArray) -> tuple[FloatArray, 
     return alpha, beta, B
 
 
-def _rate(equations: Coefficients) -> float:
+def _rate(equations: Equations) -> float:
     """Return a bound on the norm of the coefficient matrix, in the better of two scalings."""
     B, D = _parts(equations)
     sizes = np.linalg.norm(B, 2, axis=(1, 2))

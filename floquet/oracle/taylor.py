@@ -6,8 +6,8 @@ The equations are those of one decoupled subsystem in energy coordinates (`floqu
     f_r(t) = sum_j alpha[r, j] cos(j Omega t) + beta[r, j] sin(j Omega t),    j = 0..J,
 
 with w and k diagonal. The Taylor coefficients of a solution follow from one another by Cauchy products (Leibniz'
-rule), so a step of any order costs one matrix product a term. The method needs no stage coefficients, has no order
-barrier and is unrelated to splitting and to doubling, which is what an oracle for the chart engine has to be.
+rule), so a step of any order costs one matrix product a term. The method needs no stage coefficients and has no order
+barrier. It is unrelated to splitting and to doubling, as an oracle for the chart engine has to be.
 
 Source: A. Jorba and M. Zou, "A software package for the numerical integration of ODEs by means of high-order Taylor
 methods", Experimental Mathematics 14 (2005) 99-117.
@@ -22,19 +22,29 @@ from numba import njit
 
 from periodic.checks import FloatArray
 
-# Solutions beyond this size are not followed: their squares, which norms need, would overflow.
-LARGEST = 1e150
+# Solutions are followed up to this size, in energy coordinates: the squares of larger ones, which norms need, would
+# overflow.
+MAX_SOLUTION = 1e150
 # Taylor coefficients of f_r below this part of the largest do not change a float64 sum.
-NEGLIGIBLE = 1e-18
-UNIT = np.finfo(np.float64).eps
+NEGLIGIBLE_FORCING = 1e-18
+MACHINE_EPSILON = np.finfo(np.float64).eps
 
 CONVERGED, UNCONVERGED, OVERFLOWN = 0, 1, 2
 
 
-class Coefficients(NamedTuple):
-    """Coefficients of one subsystem of m coordinates: w, k (m,); S (m, R m) or (m, (R + 1) m); alpha, beta (R, J + 1).
+class Equations(NamedTuple):
+    """Coefficients of the equations of motion of one subsystem of m coordinates.
 
-    ``S`` holds B_1 ... B_R side by side and, if ``damped``, D behind them.
+    Attributes
+    ----------
+    w, k : ndarray, shape (m,)
+        Per unit of time.
+    S : ndarray, shape (m, R m) or (m, (R + 1) m)
+        B_1 ... B_R side by side and, if ``damped``, D behind them; per unit of time.
+    damped : bool
+        Whether ``S`` holds D, the damping and gyroscopic matrix.
+    alpha, beta : ndarray, shape (R, J + 1)
+        Fourier coefficients of f_1 ... f_R, dimensionless.
     """
 
     w: FloatArray
@@ -69,7 +79,7 @@ def forcing_coefficients(alpha, beta, step, steps, order):  # type: ignore[no-un
 def significant(coefficients):  # type: ignore[no-untyped-def]
     """Number of trailing columns (lowest derivatives) that matter in float64."""
     order = coefficients.shape[1]
-    floor = NEGLIGIBLE * np.abs(coefficients).max()
+    floor = NEGLIGIBLE_FORCING * np.abs(coefficients).max()
     for i in range(order):
         if np.abs(coefficients[:, i]).max() > floor:
             return order - i
@@ -77,12 +87,12 @@ def significant(coefficients):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def taylor_step(subsystem, coefficients, h, tolerance, y1, y2, history, stacked):  # type: ignore[no-untyped-def]
+def taylor_step(equations, coefficients, h, tolerance, y1, y2, history, stacked):  # type: ignore[no-untyped-def]
     """Advance (y1, y2), each (m, columns), in place by h.
 
     The series ends when two successive terms are below ``tolerance`` relative to the initial values, or at the order
     that ``coefficients`` (R, order) and ``history`` (order + 1, m * columns) allow. ``history`` receives the terms of
-    y1. ``stacked`` (R + 1, m * columns) is work space: what S multiplies, the current term of y2 last.
+    y1. ``stacked`` (R + 1, m * columns) is work space for what S multiplies; the current term of y2 comes last.
 
     Returns
     -------
@@ -98,7 +108,7 @@ def taylor_step(subsystem, coefficients, h, tolerance, y1, y2, history, stacked)
     sum1, sum2, term2 = y1.ravel(), y2.ravel(), stacked[functions]
     history[0] = sum1
     term2[:] = sum2
-    multiplied = stacked.reshape((functions + 1) * m, columns)[: subsystem.S.shape[1]]
+    multiplied = stacked.reshape((functions + 1) * m, columns)[: equations.S.shape[1]]
     force = np.empty((m, columns))
     size = np.dot(sum1, sum1) + np.dot(sum2, sum2)
     squares = size
@@ -109,10 +119,10 @@ def taylor_step(subsystem, coefficients, h, tolerance, y1, y2, history, stacked)
         for r in range(functions):
             # Cauchy product: Taylor coefficient q of f_r y1
             np.dot(coefficients[r, order - span :], history[q + 1 - span : q + 1], stacked[r])
-        np.dot(subsystem.S, multiplied, force)
+        np.dot(equations.S, multiplied, force)
         scale = h / (q + 1)
         for i in range(m):
-            ahead, back, row = scale * subsystem.w[i], scale * subsystem.k[i], i * columns
+            ahead, back, row = scale * equations.w[i], scale * equations.k[i], i * columns
             for c in range(columns):
                 first = ahead * term2[row + c]
                 second = -back * present[row + c] - scale * force[i, c]
@@ -130,7 +140,7 @@ def taylor_step(subsystem, coefficients, h, tolerance, y1, y2, history, stacked)
 
 
 @njit(cache=True, nogil=True)
-def integrate(subsystem, Omega, steps, first, last, order, tolerance, y1, y2):  # type: ignore[no-untyped-def]
+def integrate(equations, Omega, steps, first, last, order, tolerance, y1, y2):  # type: ignore[no-untyped-def]
     """Advance (y1, y2), each (m, columns), in place from step ``first`` to ``last`` of ``steps`` in a period.
 
     Returns
@@ -142,15 +152,15 @@ def integrate(subsystem, Omega, steps, first, last, order, tolerance, y1, y2):  
     """
     m, columns = y1.shape
     history = np.empty((order + 1, m * columns))
-    stacked = np.empty((subsystem.alpha.shape[0] + 1, m * columns))
+    stacked = np.empty((equations.alpha.shape[0] + 1, m * columns))
     h = 2.0 * np.pi / Omega / steps
     status, rounding = CONVERGED, 0.0
     for step in range(first, last):
-        coefficients = forcing_coefficients(subsystem.alpha, subsystem.beta, step, steps, order)
-        _, relative, terms = taylor_step(subsystem, coefficients, h, tolerance, y1, y2, history, stacked)
-        rounding += UNIT * terms
+        coefficients = forcing_coefficients(equations.alpha, equations.beta, step, steps, order)
+        _, relative, terms = taylor_step(equations, coefficients, h, tolerance, y1, y2, history, stacked)
+        rounding += MACHINE_EPSILON * terms
         if not relative <= tolerance:
             status = UNCONVERGED
-        if not max(np.abs(y1).max(), np.abs(y2).max()) <= LARGEST:
+        if not max(np.abs(y1).max(), np.abs(y2).max()) <= MAX_SOLUTION:
             return OVERFLOWN, rounding
     return status, rounding

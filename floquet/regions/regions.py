@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from tqdm import tqdm
 
 from floquet.boundary import Resonance, natural_modes, open_types, resonances
-from floquet.oracle.point import is_unstable
+from floquet.oracle import is_unstable
 from floquet.regions.naming import Namer
 from floquet.regions.outlines import Column, Loop, Place, area, components, largest_width, loops, within
 from floquet.regions.scan import AMPLITUDES, Scan

@@ -134,7 +134,7 @@ def test_wrong_input(certify: Run, arguments: list[str], fault: str) -> None:
 
 def test_missing_flint(certify: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "flint", None)
-    monkeypatch.delitem(sys.modules, "floquet.certified.growth", raising=False)
+    monkeypatch.delitem(sys.modules, "floquet.certified", raising=False)
     status, _, message = certify("--example", "mathieu", "--at", "1,1")
     assert status == 2
     assert "floquet-charts[certify]" in message

@@ -47,15 +47,14 @@ def exact_whittaker_hill(kappa: float, spin: float, decay: float, phase: str) ->
     T = 2 * arb.pi() / arb(OMEGA)
     integral = T * (2 * arb(kappa)).bessel_i(0)
     if phase == "cosine":  # u(0) = e^-kappa, u'(0) = 0
-        fixed = [[1, 0], [(-2 * arb(kappa)).exp() * integral, 1]]  # of (u', u)
+        fixed = [[arb(1), arb(0)], [(-2 * arb(kappa)).exp() * integral, arb(1)]]  # of (u', u)
     else:  # u(0) = 1, u'(0) = -kappa Omega
         slope = arb(kappa) * arb(OMEGA)
         fixed = [[1 - slope * integral, -slope * slope * integral], [integral, 1 + slope * integral]]
     c, s = (arb(spin) * T).cos(), (arb(spin) * T).sin()
     turn = [[c, s], [-s, c]]  # multiplication by exp(-i spin T)
-    Phi = arb_mat(
-        [[fixed[i][j] * turn[k][m] for j, m in product(range(2), repeat=2)] for i, k in product(range(2), repeat=2)]
-    )
+    pairs = list(product(range(2), repeat=2))
+    Phi = arb_mat([[fixed[i][j] * turn[k][m] for j, m in pairs] for i, k in pairs])
     # (x + i y)' = (u' - (decay + i spin) u) exp(...)
     d, s = arb(decay), arb(spin)
     to_moving = arb_mat([[1, 0, -d, s], [0, 1, -s, -d], [0, 0, 1, 0], [0, 0, 0, 1]])

@@ -22,8 +22,7 @@ from tests.floquet.certified.certified_oracles import (
 flint = pytest.importorskip("flint", reason="python-flint, the extra certify, is not installed")
 from flint import arb, arb_mat, ctx  # noqa: E402
 
-from floquet.certified import enclosure  # noqa: E402
-from floquet.certified.growth import certified_monodromy  # noqa: E402
+from floquet.certified import certified_monodromy, enclosure  # noqa: E402
 
 
 @pytest.mark.parametrize("phase", ["cosine", "sine"])
@@ -49,9 +48,8 @@ def test_monodromy_under_congruence_contains_exact_solution() -> None:
     def congruent(a: FloatArray) -> FloatArray:
         return S.T @ a @ S  # exact: all entries are short binary numbers
 
-    system = PeriodicSystem(
-        *map(congruent, (plain.mass, plain.gyroscopic, plain.damping, plain.stiffness)), congruent(plain.cosine)
-    )
+    M, G, C, K = map(congruent, (plain.mass, plain.gyroscopic, plain.damping, plain.stiffness))
+    system = PeriodicSystem(M, G, C, K, congruent(plain.cosine))
     found = certified_monodromy(system, OMEGA, 1.0)
     with ctx.workprec(300):
         to_plain = arb_mat(np.kron(np.eye(2), S).tolist())
@@ -92,7 +90,7 @@ def test_constant_coefficients_are_the_matrix_exponential(seed: int) -> None:
         P = inverse * (arb_mat(system.gyroscopic.tolist()) + arb_mat(system.damping.tolist()))
         Q = inverse * arb_mat(system.stiffness.tolist())
         one, zero = arb_mat(np.eye(3).tolist()), arb_mat(3, 3)
-        exact = (enclosure.blocks([[-P, -Q], [one, zero]]) * (2 * arb.pi() / arb(1.3))).exp()
+        exact = (enclosure.block_matrix([[-P, -Q], [one, zero]]) * (2 * arb.pi() / arb(1.3))).exp()
         assert contains(found, exact)
 
 

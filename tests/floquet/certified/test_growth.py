@@ -17,8 +17,14 @@ from tests.floquet.certified.certified_oracles import OMEGA, random_system, whit
 flint = pytest.importorskip("flint", reason="python-flint, the extra certify, is not installed")
 from flint import arb, ctx  # noqa: E402
 
-from floquet.certified import growth as certified  # noqa: E402
-from floquet.certified.growth import CertifiedGrowth, Verdict, certified_growth, certified_monodromy  # noqa: E402
+from floquet.certified import (  # noqa: E402
+    CertifiedGrowth,
+    ProvedVerdict,
+    certified_growth,
+    certified_monodromy,
+    growth,
+    spectrum,
+)
 
 # Verdicts
 
@@ -34,7 +40,7 @@ def test_mathieu_boundaries(order: int, q: float) -> None:
     for edge, inwards in ((lower, 1e-6), (upper, -1e-6)):
         inside = certified_growth(mathieu(edge + inwards), 2.0, 2 * q)
         outside = certified_growth(mathieu(edge - inwards), 2.0, 2 * q)
-        assert (inside.verdict, outside.verdict) == (Verdict.UNSTABLE, Verdict.STABLE)
+        assert (inside.verdict, outside.verdict) == (ProvedVerdict.UNSTABLE, ProvedVerdict.STABLE)
         assert 0 < inside.lower <= inside.upper < inside.lower * (1 + 1e-12)
         assert outside.lower == outside.upper == 0
 
@@ -46,7 +52,7 @@ def test_damping_shifts_mathieus_growth(Omega: float, eps: float) -> None:
     undamped = certified_growth(mathieu(1.0 - 1 / 64), Omega, eps)
     assert damped.lower <= undamped.upper - 0.125
     assert damped.upper >= undamped.lower - 0.125
-    assert damped.verdict is (Verdict.UNSTABLE if undamped.lower > 0.125 else Verdict.STABLE)
+    assert damped.verdict is (ProvedVerdict.UNSTABLE if undamped.lower > 0.125 else ProvedVerdict.STABLE)
 
 
 def overlap(a: CertifiedGrowth, b: CertifiedGrowth) -> bool:
@@ -70,8 +76,8 @@ def test_equal_coupled_oscillators_are_mathieu_twice(Omega: float, eps: float) -
 @pytest.mark.parametrize(("kind", "inside", "outside"), [("sum", 2.7, 0.7), ("difference", 0.7, 2.7)])
 def test_combination_resonance(kind: str, inside: float, outside: float) -> None:
     system = coupled_mathieu(kind)
-    assert certified_growth(system, inside, 0.2).verdict is Verdict.UNSTABLE
-    assert certified_growth(system, outside, 0.2).verdict is Verdict.STABLE
+    assert certified_growth(system, inside, 0.2).verdict is ProvedVerdict.UNSTABLE
+    assert certified_growth(system, outside, 0.2).verdict is ProvedVerdict.STABLE
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -80,36 +86,36 @@ def test_both_proofs_of_stability_agree(seed: int, monkeypatch: pytest.MonkeyPat
     system = random_system(seed, 3, conservative=True)
     Omega, eps = 1.0 + 0.2 * seed, 0.8
     simple = certified_growth(system, Omega, eps)
-    monkeypatch.setattr(certified, "_on_unit_circle", lambda spectrum: False)
+    monkeypatch.setattr(growth, "on_unit_circle", lambda discs: False)
     assert overlap(certified_growth(system, Omega, eps), simple)
 
 
 def test_a_definite_form_is_found_only_where_there_is_one(monkeypatch: pytest.MonkeyPatch) -> None:
     """The proof by an invariant form does not rest on the discs: without them, unstable points stay undecided."""
-    monkeypatch.setattr(certified, "_largest_modulus", lambda spectrum: (arb(0), arb(10)))
-    monkeypatch.setattr(certified, "_on_unit_circle", lambda spectrum: False)
-    for Omega, verdict in ((1.9, Verdict.UNDECIDED), (2.3, Verdict.STABLE)):
+    monkeypatch.setattr(growth, "largest_modulus", lambda discs: (arb(0), arb(10)))
+    monkeypatch.setattr(growth, "on_unit_circle", lambda discs: False)
+    for Omega, verdict in ((1.9, ProvedVerdict.UNDECIDED), (2.3, ProvedVerdict.STABLE)):
         assert certified_growth(mathieu(), Omega, 0.3, max_bits=128).verdict is verdict
 
 
-def disc_spectrum(*discs: tuple[complex, float]) -> certified._Spectrum:
+def discs_of(*discs: tuple[complex, float]) -> spectrum.Discs:
     centres = [flint.acb(centre.real, centre.imag) for centre, _ in discs]
-    return certified._Spectrum(centres, [arb(radius) for _, radius in discs], flint.acb_mat(0, 0))
+    return spectrum.Discs(centres, [arb(radius) for _, radius in discs], flint.acb_mat(0, 0))
 
 
 def test_touching_discs_share_their_multipliers() -> None:
     """Both of two overlapping discs' multipliers may be in either disc."""
-    lower, upper = certified._largest_modulus(disc_spectrum((2 + 0j, 0.25), (1.5 + 0j, 1.0), (0.75j, 0.125)))
+    lower, upper = spectrum.largest_modulus(discs_of((2 + 0j, 0.25), (1.5 + 0j, 1.0), (0.75j, 0.125)))
     assert (float(lower), float(upper)) == (0.625, 2.5)
-    lower, upper = certified._largest_modulus(disc_spectrum((2 + 0j, 0.25), (-1.5 + 0j, 1.0)))
+    lower, upper = spectrum.largest_modulus(discs_of((2 + 0j, 0.25), (-1.5 + 0j, 1.0)))
     assert (float(lower), float(upper)) == (1.75, 2.5)
 
 
 def test_only_a_disc_that_reflects_into_itself_is_on_the_circle() -> None:
-    assert certified._on_unit_circle(disc_spectrum((0.6 + 0.8j, 0.01), (0.6 - 0.8j, 0.01)))
-    assert not certified._on_unit_circle(disc_spectrum((1.1 + 0j, 0.05), (1 / 1.1 + 0j, 0.05)))
-    assert not certified._on_unit_circle(disc_spectrum((0.6 + 0.8j, 0.01), (0.6 + 0.805j, 0.01)))
-    assert not certified._on_unit_circle(disc_spectrum((0.01 + 0j, 0.02), (5.0 + 0j, 0.02)))
+    assert spectrum.on_unit_circle(discs_of((0.6 + 0.8j, 0.01), (0.6 - 0.8j, 0.01)))
+    assert not spectrum.on_unit_circle(discs_of((1.1 + 0j, 0.05), (1 / 1.1 + 0j, 0.05)))
+    assert not spectrum.on_unit_circle(discs_of((0.6 + 0.8j, 0.01), (0.6 + 0.805j, 0.01)))
+    assert not spectrum.on_unit_circle(discs_of((0.01 + 0j, 0.02), (5.0 + 0j, 0.02)))
 
 
 @pytest.mark.parametrize("phase", ["cosine", "sine"])
@@ -117,7 +123,7 @@ def test_only_a_disc_that_reflects_into_itself_is_on_the_circle() -> None:
 def test_a_boundary_is_undecided(kappa: float, phase: str) -> None:
     """u = exp(-kappa cos Omega t) has the period T: mu = 1 is double, defective, and on a boundary exactly."""
     found = certified_growth(whittaker_hill(kappa, phase=phase), OMEGA, 1.0)
-    assert found.verdict is Verdict.UNDECIDED
+    assert found.verdict is ProvedVerdict.UNDECIDED
     assert found.lower == 0
     assert 0 <= found.upper < 1e-60
 
@@ -125,33 +131,33 @@ def test_a_boundary_is_undecided(kappa: float, phase: str) -> None:
 def test_defective_multiplier_off_the_circle() -> None:
     """The same with decay: the rate is the decay exactly, however ill-conditioned the eigenvectors."""
     found = certified_growth(whittaker_hill(0.5, 0.25, 0.125), OMEGA, 1.0)
-    assert found.verdict is Verdict.STABLE
+    assert found.verdict is ProvedVerdict.STABLE
     assert -0.125 - 1e-10 < found.lower <= -0.125 <= found.upper < -0.125 + 1e-10
-    assert certified_growth(whittaker_hill(0.5, 0.25, -0.125), OMEGA, 1.0).verdict is Verdict.UNSTABLE
+    assert certified_growth(whittaker_hill(0.5, 0.25, -0.125), OMEGA, 1.0).verdict is ProvedVerdict.UNSTABLE
 
 
 def test_precision_is_raised_until_decided() -> None:
     """At Omega = 2 omega the growth rate is eps / (4 omega) (1 + O(eps^2)); 1e-60 is far beyond 128 bits."""
     found = certified_growth(mathieu(), 2.0, 1e-60)
-    assert found.verdict is Verdict.UNSTABLE
+    assert found.verdict is ProvedVerdict.UNSTABLE
     assert found.bits > 128
     assert found.lower <= 0.25e-60 * (1 + 1e-12)
     assert found.upper >= 0.25e-60 * (1 - 1e-12)
     assert found.upper < found.lower * (1 + 1e-9)
-    assert certified_growth(mathieu(), 2.0, 1e-60, max_bits=128).verdict is Verdict.UNDECIDED
+    assert certified_growth(mathieu(), 2.0, 1e-60, max_bits=128).verdict is ProvedVerdict.UNDECIDED
 
 
 @pytest.mark.parametrize("Omega", [2.0, 1.0, 3.4, 2.7, 0.7])
 def test_without_excitation_no_frequency_is_special(Omega: float) -> None:
     for system in (mathieu(), coupled_mathieu(), gyroscopic_rotor(), meissner()):
         found = certified_growth(system, Omega, 0.0)
-        assert (found.lower, found.upper, found.verdict) == (0, 0, Verdict.STABLE)
+        assert (found.lower, found.upper, found.verdict) == (0, 0, ProvedVerdict.STABLE)
 
 
 def test_free_motion_is_undecided() -> None:
     """x'' = 0 grows, though not exponentially: neither word fits."""
     found = certified_growth(mathieu(0.0), 1.0, 0.0)
-    assert found.verdict is Verdict.UNDECIDED
+    assert found.verdict is ProvedVerdict.UNDECIDED
     assert found.lower == 0
     assert found.upper < 1e-60
 
@@ -163,7 +169,7 @@ def test_partial_damping() -> None:
     """
     system = coupled_mathieu(damping=(0.1, 0.0))
     found = certified_growth(system, 5.0, 0.0)
-    assert (found.lower, found.upper, found.verdict) == (0, 0, Verdict.STABLE)
+    assert (found.lower, found.upper, found.verdict) == (0, 0, ProvedVerdict.STABLE)
     assert certified_growth(system, 0.7, 0.5).upper < -0.02
     assert certified_growth(system, 3.5, 0.5).lower == pytest.approx(6.63665438745e-4, rel=1e-9)
 
@@ -179,9 +185,9 @@ def test_asymmetry_takes_the_certificate_away(turning: float, asymmetry: float) 
         found = certified_growth(PeriodicSystem(np.eye(2), G, np.zeros((2, 2)), K, *excitation), 5.0, 0.1)
         # without G and sines the system runs backwards as it runs forwards, symmetric or not
         if asymmetry == 0 or (turning == 0 and excitation[1] is None):
-            assert found.verdict is Verdict.STABLE
+            assert found.verdict is ProvedVerdict.STABLE
         else:
-            assert found.verdict is Verdict.UNSTABLE
+            assert found.verdict is ProvedVerdict.UNSTABLE
             assert 0 < found.lower <= found.upper < asymmetry
 
 
@@ -190,7 +196,7 @@ def test_undecided_for_want_of_symmetry_says_so() -> None:
     G = np.array([[0.0, 0.2], [-0.2, 0.0]])
     system = PeriodicSystem(np.eye(2), G, np.zeros((2, 2)), [[1.0, 1e-300], [0.0, 2.0]], [np.eye(2)])
     found = certified_growth(system, 5.0, 0.1)
-    assert found.verdict is Verdict.UNDECIDED
+    assert found.verdict is ProvedVerdict.UNDECIDED
     assert "symmetric" in found.reason
     assert found.upper < 1e-100
 
@@ -227,7 +233,7 @@ def test_family_is_asked_at_the_frequency() -> None:
             return mathieu(Omega**2 / 4)
 
     for Omega in (1.0, 3.0):
-        assert certified_growth(Family(), Omega, 0.1).verdict is Verdict.UNSTABLE
+        assert certified_growth(Family(), Omega, 0.1).verdict is ProvedVerdict.UNSTABLE
 
 
 def test_working_precision_is_given_back() -> None:
@@ -275,7 +281,7 @@ def test_wrong_family() -> None:
         def at(self, Omega: float) -> str:
             return "plate"
 
-    with pytest.raises(ValueError, match="must return a PeriodicSystem"):
+    with pytest.raises(ValueError, match="must give a PeriodicSystem"):
         certified_growth(Wrong(), 1.0, 0.1)  # type: ignore[arg-type]
 
 
@@ -295,6 +301,6 @@ def test_extreme_numbers_are_no_trouble(Omega: float, eps: float) -> None:
 
 def test_missing_flint_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "flint", None)
-    monkeypatch.delitem(sys.modules, "floquet.certified.growth")
+    monkeypatch.delitem(sys.modules, "floquet.certified")
     with pytest.raises(ImportError, match=r"floquet-charts\[certify\]"):
-        importlib.import_module("floquet.certified.growth")
+        importlib.import_module("floquet.certified")

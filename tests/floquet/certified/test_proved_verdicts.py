@@ -16,7 +16,7 @@ import pytest
 pytest.importorskip("flint", reason="python-flint, the extra certify, is not installed")
 
 from floquet import Kind, monodromy, stability_chart
-from floquet.certified.growth import CertifiedGrowth, Verdict, certified_growth
+from floquet.certified import CertifiedGrowth, ProvedVerdict, certified_growth
 from periodic import PeriodicSystem
 from periodic.checks import FloatArray
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu, meissner
@@ -90,7 +90,9 @@ def points(study: Study, eps: float, spread: int) -> tuple[FloatArray, int]:
 def check(kind: int, log_modulus: float, error: float, Omega: float, found: CertifiedGrowth) -> list[str]:
     """Return what is wrong with a verdict and a log|mu| that claims this error."""
     faults = []
-    if kind != Kind.UNDECIDED and found.verdict is not (Verdict.STABLE if kind == Kind.STABLE else Verdict.UNSTABLE):
+    if kind != Kind.UNDECIDED and found.verdict is not (
+        ProvedVerdict.STABLE if kind == Kind.STABLE else ProvedVerdict.UNSTABLE
+    ):
         faults.append(f"Omega = {Omega!r}: {Kind(kind).name}, proved {found.verdict}")
     period = 2 * np.pi / Omega
     miss = max(found.lower * period - log_modulus, log_modulus - found.upper * period)
@@ -114,7 +116,11 @@ def compare(study: Study, spread: int) -> tuple[Counter[str], list[str]]:
             cell = (int(chart.kind[0, i]), chart.growth_rate[0, i] * period, chart.error[0, i])
             faults += [f"monodromy, eps = {eps}, {fault}" for fault in one]
             faults += [f"chart, eps = {eps}, {fault}" for fault in check(*cell, w, found)]
-            decided = (found.verdict is not Verdict.UNDECIDED, point.kind != Kind.UNDECIDED, cell[0] != Kind.UNDECIDED)
+            decided = (
+                found.verdict is not ProvedVerdict.UNDECIDED,
+                point.kind != Kind.UNDECIDED,
+                cell[0] != Kind.UNDECIDED,
+            )
             counts.update(dict(zip(COLUMNS[2:], map(int, decided), strict=True)))
         counts.update({COLUMNS[0]: len(Omega), COLUMNS[1]: near})
     return counts, faults
@@ -149,6 +155,6 @@ def test_on_a_boundary_nothing_is_decided(kappa: float) -> None:
     """exp(-kappa cos t) solves x'' + (-kappa^2/2 - kappa cos t + kappa^2/2 cos 2t) x = 0: mu = 1 is double, exactly."""
     half = kappa**2 / 2
     system = PeriodicSystem([[1.0]], [[0.0]], [[0.0]], [[-half]], [[[-kappa]], [[half]]])
-    assert certified_growth(system, 1.0, 1.0).verdict is Verdict.UNDECIDED
+    assert certified_growth(system, 1.0, 1.0).verdict is ProvedVerdict.UNDECIDED
     assert monodromy(system, 1.0, 1.0).kind is Kind.UNDECIDED
     assert stability_chart(system, [1.0], [1.0], n_jobs=1, progress=False).kind[0, 0] == Kind.UNDECIDED

@@ -92,11 +92,11 @@ def test_monodromy_finds_the_boundary_among_other_coordinates(name: str, k: floa
         return T.T @ sla.block_diag(first, second) @ T
 
     zero = np.zeros((1, 1))
-    parts = [
+    M, G, C, K = (
         joint(getattr(critical, part), getattr(calm, part)) for part in ("mass", "gyroscopic", "damping", "stiffness")
-    ]
+    )
     cosine = [joint(critical.cosine[0], calm.cosine[0]), joint(critical.cosine[1], zero)]
-    system = PeriodicSystem(*parts, cosine, [joint(sine, zero) for sine in critical.sine])
+    system = PeriodicSystem(M, G, C, K, cosine, [joint(sine, zero) for sine in critical.sine])
     assert monodromy(system, 1.0, 1.0).kind == Kind.UNDECIDED
 
 

@@ -13,6 +13,7 @@ from scipy.special import mathieu_a
 from floquet import Kind, monodromy
 from floquet.oracle.multipliers import by_modulus, combine, spectrum
 from periodic import PeriodicSystem
+from periodic.checks import FloatArray
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu
 from tests.floquet.oracle_systems import random_system
 
@@ -20,11 +21,11 @@ some = settings(max_examples=40, deadline=None)
 FORM = np.array([[0.0, 1.0], [-1.0, 0.0]])
 
 
-def largest(matrix):
+def largest(matrix: FloatArray) -> float:
     return np.log(np.abs(np.linalg.eigvals(matrix)).max())
 
 
-def random_matrix(seed, N=6):
+def random_matrix(seed: int, N: int = 6) -> FloatArray:
     """Real matrix with one dominant eigenvalue, or two close or equal ones, in coordinates of moderate condition."""
     rng = np.random.default_rng(seed)
     core = np.triu(rng.standard_normal((N, N)), 1) + np.diag(rng.uniform(-0.7, 0.7, N))
@@ -37,7 +38,7 @@ def random_matrix(seed, N=6):
 
 @some
 @given(st.integers(0, 10**6), st.sampled_from([1e-12, 1e-10, 1e-7]))
-def test_error_of_the_largest_modulus_is_honest(seed, E):
+def test_error_of_the_largest_modulus_is_honest(seed: int, E: float) -> None:
     Phi = random_matrix(seed)
     found = spectrum(Phi, E, reciprocal=False)
     rng = np.random.default_rng(seed)
@@ -52,7 +53,7 @@ def test_error_of_the_largest_modulus_is_honest(seed, E):
     assert found.error < 300 * worst + 1e-13
 
 
-def test_error_follows_the_square_root_near_a_defective_multiplier():
+def test_error_follows_the_square_root_near_a_defective_multiplier() -> None:
     for E in (1e-12, 1e-8):
         for distance in (0.0, 1e-7, 1e-2):
             found = spectrum(np.array([[1.2, 1.0], [0.0, 1.2 - distance]]), E, reciprocal=False)
@@ -61,7 +62,7 @@ def test_error_follows_the_square_root_near_a_defective_multiplier():
             assert exact * 0.8 < found.error < 2 * exact
 
 
-def test_error_of_well_conditioned_multiple_multipliers_is_not_a_root():
+def test_error_of_well_conditioned_multiple_multipliers_is_not_a_root() -> None:
     found = spectrum(1.1 * np.eye(4), 1e-10, reciprocal=False)
     assert found.error == pytest.approx(1e-10 / 1.1, rel=0.1)
 
@@ -78,19 +79,19 @@ def test_error_of_well_conditioned_multiple_multipliers_is_not_a_root():
         (1.0 - 1e-12, Kind.UNDECIDED),
     ],
 )
-def test_kinds_of_a_dissipative_system(mu, kind):
-    subsystem = [[np.real(mu), np.imag(mu)], [-np.imag(mu), np.real(mu)]] if np.imag(mu) else [[mu]]
-    Phi = sla.block_diag(subsystem, 0.5)
+def test_kinds_of_a_dissipative_system(mu: complex, kind: Kind) -> None:
+    pair = np.array([[np.real(mu), np.imag(mu)], [-np.imag(mu), np.real(mu)]])
+    Phi = sla.block_diag(pair if np.imag(mu) else pair[:1, :1], [[0.5]])
     found = spectrum(Phi, 1e-10, reciprocal=False)
     assert found.kind == kind
     assert found.log_modulus == pytest.approx(np.log(abs(mu)), abs=1e-14)
 
 
-def rotation(angle):
+def rotation(angle: float) -> FloatArray:
     return np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
 
 
-def symplectic(*subsystems):
+def symplectic(*subsystems: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Two-by-two subsystems (x_i, p_i) in the order (x, p), and the form they conserve."""
     n = len(subsystems)
     order = np.argsort(np.arange(2 * n) % 2, kind="stable")
@@ -98,7 +99,7 @@ def symplectic(*subsystems):
     return sla.block_diag(*subsystems)[inner], sla.block_diag(*[FORM] * n)[inner]
 
 
-def test_isolated_multipliers_stay_on_the_circle():
+def test_isolated_multipliers_stay_on_the_circle() -> None:
     Phi, form = symplectic(rotation(0.5), rotation(1.5))
     rng = np.random.default_rng(0)
     for _ in range(10):
@@ -119,19 +120,19 @@ def test_isolated_multipliers_stay_on_the_circle():
         ((0.5, 1e-3), Kind.STABLE),
     ],
 )
-def test_signature_decides_whether_multipliers_can_leave(angles, kind):
+def test_signature_decides_whether_multipliers_can_leave(angles: tuple[float, float], kind: Kind) -> None:
     Phi, form = symplectic(*[rotation(angle) for angle in angles])
     assert spectrum(Phi, 1e-9, reciprocal=True, form=form).kind == kind
 
 
-def test_reciprocal_systems_without_a_form_are_undecided_at_double_multipliers():
+def test_reciprocal_systems_without_a_form_are_undecided_at_double_multipliers() -> None:
     Phi, _ = symplectic(rotation(0.5), rotation(0.5))
     assert spectrum(Phi, 1e-9, reciprocal=True).kind == Kind.UNDECIDED
     Phi, _ = symplectic(rotation(0.5), rotation(0.7))
     assert spectrum(Phi, 1e-9, reciprocal=True).kind == Kind.STABLE
 
 
-def test_combination_of_blocks():
+def test_combination_of_subsystems() -> None:
     stable = spectrum(0.9 * rotation(0.5), 1e-9, reciprocal=False)
     growing = spectrum(np.diag([1.1, 0.2]), 1e-9, reciprocal=False)
     open_ = spectrum(np.diag([1.0, 0.2]), 1e-9, reciprocal=False)
@@ -145,14 +146,14 @@ def test_combination_of_blocks():
     assert np.abs(both.multipliers) == pytest.approx([1.0, 0.9, 0.9, 0.2])
 
 
-def test_order_of_multipliers():
+def test_order_of_multipliers() -> None:
     mu = np.array([0.5, -2.0, 1j, -1j, 1.0])
     assert by_modulus(mu) == pytest.approx([-2.0, -1j, 1.0, 1j, 0.5])
 
 
 @some
 @given(st.integers(0, 10**6), st.integers(1, 4), st.floats(0.5, 5.0), st.floats(0.0, 1.0))
-def test_no_false_verdict_on_conservative_systems(seed, n, Omega, eps):
+def test_no_false_verdict_on_conservative_systems(seed: int, n: int, Omega: float, eps: float) -> None:
     found = monodromy(random_system(seed, n, 2), Omega, eps)
     tight = monodromy(random_system(seed, n, 2), Omega, eps, tolerance=1e-14)
     log_modulus = largest(tight.matrix)
@@ -165,13 +166,13 @@ def test_no_false_verdict_on_conservative_systems(seed, n, Omega, eps):
         assert log_modulus < 1e-5
 
 
-def mathieu_edge(eps):
+def mathieu_edge(eps: float) -> float:
     """Lower edge of the first region of x'' + (1 + eps cos Omega t) x = 0."""
     return brentq(lambda Omega: mathieu_a(1, 2 * eps / Omega**2) - 4 / Omega**2, 1.5, 2.0, xtol=1e-15)
 
 
 @pytest.mark.parametrize("offset", [1e-3, 1e-6, 1e-9])
-def test_verdict_near_an_edge_of_mathieu(offset):
+def test_verdict_near_an_edge_of_mathieu(offset: float) -> None:
     edge, eps = mathieu_edge(0.1), 0.1
     assert monodromy(mathieu(), edge - offset, eps).kind == Kind.STABLE
     inside = monodromy(mathieu(), edge + offset, eps)
@@ -182,7 +183,7 @@ def test_verdict_near_an_edge_of_mathieu(offset):
     assert inside.log_modulus_error < 0.01 * inside.growth_rate * np.pi
 
 
-def test_verdict_on_an_edge_is_undecided():
+def test_verdict_on_an_edge_is_undecided() -> None:
     found = monodromy(mathieu(), mathieu_edge(0.1), 0.1)
     assert found.kind == Kind.UNDECIDED
     assert 1e-9 < found.log_modulus_error < 1e-5
@@ -204,12 +205,12 @@ def test_verdict_on_an_edge_is_undecided():
         (gyroscopic_rotor(), 3.0, 0.1, Kind.STABLE),
     ],
 )
-def test_known_verdicts(system, Omega, eps, kind):
+def test_known_verdicts(system: PeriodicSystem, Omega: float, eps: float, kind: Kind) -> None:
     assert monodromy(system, Omega, eps).kind == kind
 
 
 @pytest.mark.parametrize("Omega", [2.0, 1.0, 0.4, 1.3])
-def test_what_is_not_excited_is_stable_even_at_resonance(Omega):
+def test_what_is_not_excited_is_stable_even_at_resonance(Omega: float) -> None:
     for system in (mathieu(), gyroscopic_rotor((1.0, 1.0), 0.3)):
         found = monodromy(system, Omega, 0.0)
         assert found.kind == Kind.STABLE
@@ -219,7 +220,7 @@ def test_what_is_not_excited_is_stable_even_at_resonance(Omega):
     assert monodromy(gyroscopic_rotor((4.0, 4.0), 3.0), 1.3, 0.0).kind == Kind.STABLE
 
 
-def test_two_equal_oscillators_are_not_undecided():
+def test_two_equal_oscillators_are_not_undecided() -> None:
     one = mathieu()
     arrays = (one.mass, one.gyroscopic, one.damping, one.stiffness, one.cosine)
     twice = PeriodicSystem(*[np.kron(np.eye(2), S) for S in arrays])
@@ -228,7 +229,7 @@ def test_two_equal_oscillators_are_not_undecided():
 
 
 @pytest.mark.parametrize("size", [2.0**470, 2.0**490])
-def test_large_matrices(size):
+def test_large_matrices(size: float) -> None:
     # grows by 1e140 and more in a period, as monodromy allows
     Phi = np.random.default_rng(0).standard_normal((12, 12))
     found = spectrum(size * Phi, 0.0, reciprocal=False)

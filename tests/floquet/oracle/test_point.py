@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from hypothesis import strategies as st
 
 from floquet import Kind, monodromy
 from periodic import PeriodicSystem
+from periodic.checks import FloatArray
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu, meissner
 from tests.floquet.oracle_systems import dop853, first_order, random_system
 from tests.strategies import amplitudes, frequencies, systems
@@ -19,14 +21,14 @@ from tests.strategies import amplitudes, frequencies, systems
 some = settings(max_examples=25, deadline=None)
 
 
-def relative(found, exact):
+def relative(found: FloatArray, exact: FloatArray) -> float:
     """Spectral norm of the difference, as `Monodromy.error` measures it."""
-    return np.linalg.norm(found - exact, 2) / max(1.0, np.linalg.norm(exact, 2))
+    return float(np.linalg.norm(found - exact, 2)) / max(1.0, float(np.linalg.norm(exact, 2)))
 
 
 @some
 @given(systems(), frequencies)
-def test_without_excitation_it_is_the_exponential(system, Omega):
+def test_without_excitation_it_is_the_exponential(system: PeriodicSystem, Omega: float) -> None:
     found = monodromy(system, Omega, 0.0)
     A = 2 * np.pi / Omega * first_order(system, Omega, 0.0, 0.0)
     # of a small argument, then squared: with norm 6, expm of SciPy 1.17 is off by 5e-13 (against 40 digits)
@@ -36,7 +38,7 @@ def test_without_excitation_it_is_the_exponential(system, Omega):
 
 @some
 @given(systems(), frequencies, amplitudes)
-def test_agrees_with_dop853(system, Omega, eps):
+def test_agrees_with_dop853(system: PeriodicSystem, Omega: float, eps: float) -> None:
     found = monodromy(system, Omega, eps)
     difference = relative(found.matrix, dop853(system, Omega, eps))
     assert difference < 1e-8
@@ -48,7 +50,7 @@ def test_agrees_with_dop853(system, Omega, eps):
 
 @some
 @given(systems(), frequencies, amplitudes)
-def test_liouville(system, Omega, eps):
+def test_liouville(system: PeriodicSystem, Omega: float, eps: float) -> None:
     found = monodromy(system, Omega, eps)
     # relative error of a determinant: that of the matrix times the norm of the inverse
     sizes = np.linalg.svd(found.matrix, compute_uv=False)
@@ -64,7 +66,7 @@ def test_liouville(system, Omega, eps):
 @given(
     systems().filter(lambda s: not s.damping.any() and (s.stiffness == s.stiffness.T).all()), frequencies, amplitudes
 )
-def test_conservative_systems_are_symplectic(system, Omega, eps):
+def test_conservative_systems_are_symplectic(system: PeriodicSystem, Omega: float, eps: float) -> None:
     found = monodromy(system, Omega, eps)
     M, G, zero = system.mass, system.gyroscopic, np.zeros_like(system.mass)
     # dx ^ dp with p = M W' + G W / 2, in terms of q = (W', W)
@@ -76,7 +78,7 @@ def test_conservative_systems_are_symplectic(system, Omega, eps):
 
 @some
 @given(st.integers(0, 10**6), st.integers(1, 4), frequencies, amplitudes)
-def test_reciprocal_pairs(seed, n, Omega, eps):
+def test_reciprocal_pairs(seed: int, n: int, Omega: float, eps: float) -> None:
     found = monodromy(random_system(seed, n, 2), Omega, eps)
     assume(np.linalg.cond(found.matrix) < 1e6)  # else the smallest multipliers are noise
     mu = found.multipliers
@@ -89,7 +91,7 @@ def test_reciprocal_pairs(seed, n, Omega, eps):
 
 @some
 @given(st.integers(0, 10**6), st.integers(1, 4), st.booleans(), frequencies, amplitudes)
-def test_sign_of_a_single_cosine_does_not_matter(seed, n, symmetric, Omega, eps):
+def test_sign_of_a_single_cosine_does_not_matter(seed: int, n: int, symmetric: bool, Omega: float, eps: float) -> None:
     s = random_system(seed, n, symmetric=symmetric, damping=0.1)
     one = PeriodicSystem(s.mass, s.gyroscopic, s.damping, s.stiffness, s.cosine)
     plus, minus = monodromy(one, Omega, eps), monodromy(one, Omega, -eps)
@@ -98,25 +100,27 @@ def test_sign_of_a_single_cosine_does_not_matter(seed, n, symmetric, Omega, eps)
     assert plus.growth_rate == pytest.approx(minus.growth_rate, abs=tolerance)
     for power in (1, 2, 3):
         traces = [np.trace(np.linalg.matrix_power(m.matrix, power)) for m in (plus, minus)]
-        assert traces[0] == pytest.approx(traces[1], abs=1e-10 * np.linalg.norm(plus.matrix, 2) ** power * s.size)
+        size = float(np.linalg.norm(plus.matrix, 2))
+        assert traces[0] == pytest.approx(traces[1], abs=1e-10 * size**power * s.size)
 
 
 @some
 @given(systems(), frequencies, amplitudes)
-def test_coordinates_do_not_matter(system, Omega, eps):
+def test_coordinates_do_not_matter(system: PeriodicSystem, Omega: float, eps: float) -> None:
     n = system.size
     T = np.eye(n) + 0.3 * np.random.default_rng(n).standard_normal((n, n)) / n
     arrays = (system.mass, system.gyroscopic, system.damping, system.stiffness, system.cosine, system.sine)
     changed = PeriodicSystem(*[T.T @ S @ T for S in arrays])
     one, other = monodromy(system, Omega, eps), monodromy(changed, Omega, eps)
     both = sla.block_diag(T, T)
-    assert both @ other.matrix == pytest.approx(one.matrix @ both, abs=1e-10 * (1 + np.linalg.norm(one.matrix)))
+    size = 1 + float(np.linalg.norm(one.matrix))
+    assert both @ other.matrix == pytest.approx(one.matrix @ both, abs=1e-10 * size)
     tolerance = 10 * (one.log_modulus_error + other.log_modulus_error) * Omega / (2 * np.pi)
     assert one.growth_rate == pytest.approx(other.growth_rate, abs=tolerance, rel=1e-15)
 
 
 @pytest.mark.parametrize("eps", [0.3, 1.5, -4.0])
-def test_meissner_discriminant(eps):
+def test_meissner_discriminant(eps: float) -> None:
     # piecewise constant stiffness has a closed form; its Fourier series, cut at J, differs by O(1 / J^2) in the trace
     delta, Omega = 1.2, 1.7
     u, v = (np.pi * np.emath.sqrt(delta + s * eps) / Omega for s in (1, -1))
@@ -126,7 +130,7 @@ def test_meissner_discriminant(eps):
     assert abs(errors[1]) < 2e-3 * abs(exact)
 
 
-def test_round_rotor_is_mathieu():
+def test_round_rotor_is_mathieu() -> None:
     k, spin, Omega, eps = 4.0, 0.5, 3.9, 1.0
     rotor = monodromy(gyroscopic_rotor((k, k), spin), Omega, eps)
     plain = monodromy(mathieu(k), Omega, eps)
@@ -138,7 +142,7 @@ def test_round_rotor_is_mathieu():
     assert rotor.growth_rate == pytest.approx(plain.growth_rate, abs=1e-11)
 
 
-def test_damping_shifts_mathieu_exactly():
+def test_damping_shifts_mathieu_exactly() -> None:
     # x = y exp(-c t / 2) turns x'' + c x' + (delta + c^2/4 + eps cos) x = 0 into the undamped equation
     delta, c, Omega, eps = 1.0, 0.3, 1.9, 0.8
     damped = monodromy(mathieu(delta + c**2 / 4, c), Omega, eps)
@@ -147,14 +151,14 @@ def test_damping_shifts_mathieu_exactly():
 
 
 @pytest.mark.parametrize("eps", [0.0, 0.4])
-def test_paul_trap(eps):
+def test_paul_trap(eps: float) -> None:
     # negative stiffness: a saddle without excitation; a strong fast one stabilises it (Paul, Nobel lecture 1989)
     trap = mathieu(-0.05)
     assert monodromy(trap, 2.0, eps).kind == Kind.PLUS_ONE
     assert monodromy(trap, 2.0, 1.0).kind == Kind.STABLE
 
 
-def test_free_motion():
+def test_free_motion() -> None:
     # no stiffness at all: x grows linearly, both multipliers are one and defective
     free = PeriodicSystem([[2.0]], [[0.0]], [[0.0]], [[0.0]], [[[0.0]]])
     found = monodromy(free, 0.5, 1.0)
@@ -164,7 +168,7 @@ def test_free_motion():
 
 
 @pytest.mark.parametrize("Omega", [1e-3, 1e6])
-def test_extreme_frequencies(Omega):
+def test_extreme_frequencies(Omega: float) -> None:
     # far below resonance the phase is that of slowly varying stiffness, far above it that of the mean
     system, eps = mathieu(1.0), 0.5
     found = monodromy(system, Omega, eps)
@@ -177,7 +181,7 @@ def test_extreme_frequencies(Omega):
         assert np.trace(found.matrix) == pytest.approx(2 * np.cos(phase), abs=1e-3)
 
 
-def test_large_amplitude_and_growth():
+def test_large_amplitude_and_growth() -> None:
     # eps = 10 at a low frequency: multipliers like exp(100); the growth is that of the same system by DOP853
     system, Omega, eps = coupled_mathieu("sum"), 0.15, 10.0
     found = monodromy(system, Omega, eps)
@@ -188,7 +192,7 @@ def test_large_amplitude_and_growth():
     assert log_modulus == pytest.approx(exact, abs=1e-9)
 
 
-def test_a_hundred_coordinates():
+def test_a_hundred_coordinates() -> None:
     # a chain with fixed ends under pulsating tension: every mode is a Mathieu equation
     n, Omega, eps = 100, 1.0, 0.2
     K = 2 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
@@ -205,7 +209,7 @@ def test_a_hundred_coordinates():
 
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-7, 1e-10])
-def test_tolerance_is_kept_and_estimated(tolerance):
+def test_tolerance_is_kept_and_estimated(tolerance: float) -> None:
     for seed in range(15):
         system = random_system(seed, 1 + seed % 5, 1 + seed % 3, symmetric=seed % 2 == 0, damping=0.1 * (seed % 3))
         exact = monodromy(system, 0.9, 1.0)
@@ -217,7 +221,7 @@ def test_tolerance_is_kept_and_estimated(tolerance):
             assert loose.error < 1e4 * true
 
 
-def test_result_is_consistent_and_frozen():
+def test_result_is_consistent_and_frozen() -> None:
     found = monodromy(random_system(3, 3, 2, damping=0.2), 1.3, 0.9)
     assert found.matrix.shape == (6, 6)
     assert found.multipliers.shape == (6,)
@@ -229,19 +233,19 @@ def test_result_is_consistent_and_frozen():
     for array in (found.matrix, found.multipliers):
         assert not array.flags.writeable
     with pytest.raises(AttributeError):
-        found.error = 0.0
+        found.error = 0.0  # type: ignore[misc]
 
 
-def test_same_input_gives_the_same_bits():
+def test_same_input_gives_the_same_bits() -> None:
     system = random_system(4, 5, 2)
     one, two = (monodromy(system, 1.1, 0.7) for _ in range(2))
     assert (one.matrix == two.matrix).all()
     assert one.error == two.error
 
 
-def test_family_is_taken_at_its_frequency():
+def test_family_is_taken_at_its_frequency() -> None:
     class Family:
-        def at(self, Omega):
+        def at(self, Omega: float) -> PeriodicSystem:
             return mathieu(Omega**2)
 
     assert monodromy(Family(), 2.0, 0.1).matrix == pytest.approx(monodromy(mathieu(4.0), 2.0, 0.1).matrix, abs=0)
@@ -266,16 +270,16 @@ def test_family_is_taken_at_its_frequency():
         ({"Omega": 1e-3, "eps": 10.0}, "grows by more than 1e"),
     ],
 )
-def test_bad_arguments(arguments, message):
-    given_ = {"system": mathieu(), "Omega": 2.0, "eps": 0.1} | arguments
+def test_bad_arguments(arguments: dict[str, Any], message: str) -> None:
+    given_: dict[str, Any] = {"system": mathieu(), "Omega": 2.0, "eps": 0.1} | arguments
     with pytest.raises(ValueError, match=message):
         monodromy(**given_)
 
 
-def test_family_that_gives_no_system():
+def test_family_that_gives_no_system() -> None:
     class Family:
-        def at(self, Omega):
+        def at(self, Omega: float) -> FloatArray:
             return np.eye(2)
 
     with pytest.raises(ValueError, match="it must give a PeriodicSystem"):
-        monodromy(Family(), 2.0, 0.1)
+        monodromy(Family(), 2.0, 0.1)  # type: ignore[arg-type]

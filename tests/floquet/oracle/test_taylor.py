@@ -8,25 +8,29 @@ import numpy as np
 import pytest
 import scipy.linalg as sla
 
-from floquet.oracle.reduction import constant_matrix, reduce_system
+from floquet.oracle.reduction import Subsystem, constant_matrix, reduce_system
 from floquet.oracle.taylor import (
     CONVERGED,
     OVERFLOWN,
     UNCONVERGED,
-    Coefficients,
+    Equations,
     forcing_coefficients,
     integrate,
     taylor_step,
 )
+from periodic import PeriodicSystem
+from periodic.checks import FloatArray
 from tests.floquet.oracle_systems import random_system
 
 
-def block_of(system, eps=0.5):
+def subsystem_of(system: PeriodicSystem, eps: float = 0.5) -> Subsystem:
     (subsystem,) = reduce_system(system, eps, 1.0)
     return subsystem
 
 
-def period(subsystem, Omega, steps, order, tolerance=0.0):
+def period(
+    subsystem: Subsystem, Omega: float, steps: int, order: int, tolerance: float = 0.0
+) -> tuple[FloatArray, int]:
     m = len(subsystem.equations.w)
     y = np.eye(2 * m)
     y1, y2 = y[:m].copy(), y[m:].copy()
@@ -35,7 +39,7 @@ def period(subsystem, Omega, steps, order, tolerance=0.0):
 
 
 @pytest.mark.kernel
-def test_forcing_coefficients_are_the_taylor_series():
+def test_forcing_coefficients_are_the_taylor_series() -> None:
     alpha, beta = np.array([[0.3, 1.0, -0.5], [0.0, 0.2, 0.0]]), np.array([[0.0, 0.4, 2.0], [0.0, 0.0, -1.0]])
     step, steps = 5, 13
     coefficients = forcing_coefficients(alpha, beta, step, steps, 30)
@@ -48,8 +52,8 @@ def test_forcing_coefficients_are_the_taylor_series():
 
 
 @pytest.mark.kernel
-def test_step_without_excitation_is_the_exponential():
-    subsystem = block_of(random_system(1, 2, damping=0.3))
+def test_step_without_excitation_is_the_exponential() -> None:
+    subsystem = subsystem_of(random_system(1, 2, damping=0.3))
     quiet = subsystem.equations._replace(alpha=0 * subsystem.equations.alpha, beta=0 * subsystem.equations.beta)
     h, order = 0.5, 40
     y1, y2 = np.eye(2, 4), np.eye(2, 4, 2)
@@ -63,10 +67,10 @@ def test_step_without_excitation_is_the_exponential():
 
 
 @pytest.mark.kernel
-def test_terms_are_the_derivatives_of_the_solution():
+def test_terms_are_the_derivatives_of_the_solution() -> None:
     # x'' + (1 + cos t) x = 0 with x(0) = 1, x'(0) = 0: x = 1 - t^2 + (5/24) t^4 + ... by hand from the equation
     one = np.ones((1, 1))
-    subsystem = Coefficients(one[0], one[0], one.copy(), False, np.array([[0.0, 1.0]]), np.array([[0.0, 0.0]]))
+    subsystem = Equations(one[0], one[0], one.copy(), False, np.array([[0.0, 1.0]]), np.array([[0.0, 0.0]]))
     y1, y2 = np.array([[1.0]]), np.array([[0.0]])
     history, stacked = np.empty((6, 1)), np.empty((2, 1))
     coefficients = forcing_coefficients(subsystem.alpha, subsystem.beta, 0, 6, 5)
@@ -76,10 +80,10 @@ def test_terms_are_the_derivatives_of_the_solution():
 
 
 @pytest.mark.parametrize("h", [0.5, 2.0, 6.0, 12.0])
-def test_rounding_of_a_step_is_estimated(h):
+def test_rounding_of_a_step_is_estimated(h: float) -> None:
     # a rotation by h: its terms reach h^h / h!, 65 at h = 6 and 19 000 at h = 12, and cancel
     one = np.ones((1, 1))
-    subsystem = Coefficients(one[0], one[0], one.copy(), False, np.zeros((1, 2)), np.zeros((1, 2)))
+    subsystem = Equations(one[0], one[0], one.copy(), False, np.zeros((1, 2)), np.zeros((1, 2)))
     angles = h * np.linspace(1.0, 1.01, 40)
     errors, estimates = [], []
     for angle in angles:
@@ -94,8 +98,8 @@ def test_rounding_of_a_step_is_estimated(h):
 
 
 @pytest.mark.parametrize("order", [4, 7])
-def test_order_of_convergence(order):
-    subsystem = block_of(random_system(3, 3, 2))
+def test_order_of_convergence(order: int) -> None:
+    subsystem = subsystem_of(random_system(3, 3, 2))
     exact, status = period(subsystem, 1.1, 60, 60, 1e-17)
     assert status == CONVERGED
     steps = np.array([40, 57, 80, 113])
@@ -109,17 +113,15 @@ def test_order_of_convergence(order):
     assert -slope == pytest.approx(order, abs=0.25)
 
 
-def test_overflow_is_reported():
+def test_overflow_is_reported() -> None:
     # x'' = 1e4 x over T = 2 pi: e^628
     one = np.ones((1, 1))
-    subsystem = Coefficients(
-        np.array([100.0]), np.array([-100.0]), one.copy(), False, np.zeros((1, 2)), np.zeros((1, 2))
-    )
+    subsystem = Equations(np.array([100.0]), np.array([-100.0]), one.copy(), False, np.zeros((1, 2)), np.zeros((1, 2)))
     y1, y2 = np.eye(1, 2), np.eye(1, 2, 1)
     assert integrate(subsystem, 1.0, 300, 0, 300, 60, 1e-16, y1, y2)[0] == OVERFLOWN
 
 
-def test_many_harmonics():
+def test_many_harmonics() -> None:
     # Fejér's kernel: sum_j 2 (1 - j / 17) cos jt has the closed form sin^2(17 t / 2) / (17 sin^2(t / 2)) - 1
     alpha = np.concatenate([[0.0], 2 * (1 - np.arange(1, 17) / 17)])[None]
     t = 2 * np.pi * 37 / 600

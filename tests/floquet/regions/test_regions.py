@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 from scipy.special import mathieu_a, mathieu_b
 
 from floquet import Kind, Region, StabilityChart, monodromy, stability_chart, trace_regions
-from floquet.oracle.point import is_unstable
+from floquet.oracle import is_unstable
 from floquet.regions.outlines import Loop
 from floquet.regions.refinement import Slabs
 from floquet.regions.regions import _witness
