@@ -5,7 +5,7 @@ from tests.hunt.fault import Fault
 FAULTS = (
     Fault(
         "errors arrive as they were made",
-        "floquet/oracle/point.py",
+        "floquet/oracle/period.py",
         "np.sum(np.linalg.norm(after, 2, axis=(1, 2)) * errors",
         "np.sum(errors",
         "floquet/oracle/test_exact_boundary.py",
