@@ -1,4 +1,4 @@
-"""How the excitation couples two modes at resonance: eqs. (26)-(28), in closed form and by the paper's blocks.
+"""How the excitation couples two modes at resonance: eqs. (26)-(28), in closed form.
 
 With E_j = F_cj - i F_sj and the modes of `perturb.modes`, the pair (p, q) is coupled near j Omega = omega_p + omega_q
 ("sum") by
@@ -22,12 +22,13 @@ from typing import NamedTuple
 import numpy as np
 
 from periodic import PeriodicSystem
+from periodic.checks import ComplexArray
 from periodic.system import SYMMETRY_TOLERANCE
-from perturb.modes import ROUNDING, ComplexArray, GyroscopicModes, ModalBlocks
+from perturb.modes import MODAL_ZERO, GyroscopicModes
 
-# L of unsymmetric matrices is real to rounding where the imaginary part is below this part of it (a few hundred times
-# what two products of length n lose, and far below any effect on a growth rate).
-IMAGINARY = 1e-10
+# L of unsymmetric matrices is real if its imaginary part is below this part of it: a few hundred times what two
+# products of length n lose, and far below any effect on a growth rate.
+IMAGINARY_PART = 1e-10
 
 
 class Coupling(NamedTuple):
@@ -60,24 +61,7 @@ def products(modes: GyroscopicModes, E: ComplexArray, type: str) -> ComplexArray
     """Return L for every pair, shape (n, n), with an imaginary part of exactly zero wherever L is real."""
     forward, backward = closed_form(modes, E, type)
     L = forward * backward
-    return np.where(is_symmetric(E) | (np.abs(L.imag) <= IMAGINARY * np.abs(L)), L.real, L)
-
-
-def block_form(blocks: ModalBlocks, j: int, type: str) -> Coupling:
-    """Return the couplings in terms of the 2 x 2 blocks of eq. (18), as the paper has them.
-
-    Sums: eqs. (26b), (26c). Differences: eq. (28a), and eq. (28b) with - g^11 in place of its first - g^12.
-    """
-    g, h = blocks.G[j - 1], blocks.H[j - 1]
-    g11, g12, g21, g22 = (g[..., r, s] for r in (0, 1) for s in (0, 1))
-    h11, h12, h21, h22 = (h[..., r, s] for r in (0, 1) for s in (0, 1))
-    if type == "sum":
-        forward = 0.5 * (h21 - 1j * h22 + 1j * g21 + g22 + 1j * h11 + h12 - g11 + 1j * g12)  # eq. (26b)
-        backward = 0.5 * (h21 + 1j * h22 - 1j * g21 + g22 - 1j * h11 + h12 - g11 - 1j * g12)  # eq. (26c)
-    else:
-        forward = 0.5 * (h21 + 1j * h22 + 1j * g21 - g22 + 1j * h11 - h12 - g11 - 1j * g12)  # eq. (28a)
-        backward = 0.5 * (-h21 - 1j * h22 + 1j * g21 - g22 - 1j * h11 + h12 - g11 - 1j * g12)  # eq. (28b), corrected
-    return Coupling(forward, backward.T)
+    return np.where(is_symmetric(E) | (np.abs(L.imag) <= IMAGINARY_PART * np.abs(L)), L.real, L)
 
 
 def projection(left: ComplexArray, E: ComplexArray, right: ComplexArray) -> ComplexArray:
@@ -85,7 +69,7 @@ def projection(left: ComplexArray, E: ComplexArray, right: ComplexArray) -> Comp
     product = left.conj().T @ E @ right
     scale = np.abs(left).T @ np.abs(E) @ np.abs(right)
     largest = np.sqrt(np.outer(scale.max(axis=1), scale.max(axis=0)))
-    return np.where(np.abs(product) <= ROUNDING * largest, 0.0, product)
+    return np.where(np.abs(product) <= MODAL_ZERO * largest, 0.0, product)
 
 
 def is_symmetric(E: ComplexArray) -> bool:

@@ -8,12 +8,11 @@ from typing import Protocol
 from numpy.typing import ArrayLike
 
 from periodic.checks import FloatArray, points, real_array
+from perturb.resonance import Resonance
 
-_SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
-
-class Resonance(Protocol):
-    """What a theory says about one resonance, in terms of s = j (Omega - centre)."""
+class Prediction(Protocol):
+    """What a theory says about the region of one resonance, in terms of s = j (Omega - centre)."""
 
     @property
     def slope(self) -> float:
@@ -42,31 +41,47 @@ class TransitionCurve:
 
     Attributes
     ----------
-    p, q : int
-        Mode numbers from 1, p >= q.
-    j : int
-        Multiple of the excitation frequency that is in resonance. Second order also has j up to twice the number of
-        harmonics, through j = j1 + j2.
-    type : {"sum", "difference"}
+    resonance : Resonance
+        Modes, multiple, type and centre; ``p``, ``q``, ``j``, ``type`` and ``centre`` of the curve are its entries.
+        At second order j reaches twice the number of harmonics, through j = j1 + j2.
     order : {1, 2}
         Order in eps of the theory.
     interaction : {1, 2}
-        1 where a harmonic j of the excitation couples the modes directly, 2 where only two interactions together do
-        (the excitation holds no harmonic j); such a region opens like eps^2.
-    centre : float
-        (omega_p ± omega_q) / j, where the region starts at eps = 0.
-    resonance : Resonance
+        1 where harmonic j of the excitation couples the modes directly. 2 where the excitation has no harmonic j and
+        only two interactions together couple them; such a region opens like eps^2.
+    prediction : Prediction
         The theory's description of the region.
     """
 
-    p: int
-    q: int
-    j: int
-    type: str
+    resonance: Resonance
     order: int
     interaction: int
-    centre: float
-    resonance: Resonance
+    prediction: Prediction
+
+    @property
+    def p(self) -> int:
+        """Number of the higher mode, from 1."""
+        return self.resonance.p
+
+    @property
+    def q(self) -> int:
+        """Number of the lower mode, from 1; p itself for a region 2 omega_p."""
+        return self.resonance.q
+
+    @property
+    def j(self) -> int:
+        """Multiple of the excitation frequency that is in resonance."""
+        return self.resonance.j
+
+    @property
+    def type(self) -> str:
+        """ "sum" or "difference"."""
+        return self.resonance.type
+
+    @property
+    def centre(self) -> float:
+        """Frequency (omega_p ± omega_q) / j at which the region starts at eps = 0."""
+        return self.resonance.centre
 
     @property
     def slope(self) -> float:
@@ -75,25 +90,17 @@ class TransitionCurve:
         Without damping sqrt(L) / j; 0 where L <= 0 or the interaction is of second order. Infinite where the
         instability does not end at any detuning (`perturb.pair.pair_edges`).
         """
-        return float(self.resonance.slope) / self.j
+        return float(self.prediction.slope) / self.j
 
     @property
     def tip(self) -> float:
         """The eps below which damping keeps the region closed: 0 without damping, infinite if it never opens."""
-        return float(self.resonance.tip)
+        return float(self.prediction.tip)
 
     @property
     def label(self) -> str:
         """Name of the resonance: 2ω₁, ω₁+ω₃, ω₃−ω₁, for j > 1 2ω₁/2, (ω₁+ω₃)/2; "(2nd)" marks `interaction` 2."""
-        p, q = (f"ω{n}".translate(_SUBSCRIPTS) for n in (self.p, self.q))
-        if self.p == self.q:
-            name = f"2{p}"
-        else:
-            total = f"{q}+{p}" if self.type == "sum" else f"{p}−{q}"
-            name = total if self.j == 1 else f"({total})"
-        if self.j > 1:
-            name = f"{name}/{self.j}"
-        return name if self.interaction == 1 else f"{name} (2nd)"
+        return self.resonance.label if self.interaction == 1 else f"{self.resonance.label} (2nd)"
 
     def edges(self, eps: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Return the lower and the upper edge of the region.
@@ -115,7 +122,7 @@ class TransitionCurve:
         ValueError
             If ``eps`` is not real or not finite.
         """
-        low, high = self.resonance.edges(real_array("eps", eps, None))
+        low, high = self.prediction.edges(real_array("eps", eps, None))
         return self.centre + low / self.j, self.centre + high / self.j
 
     def growth_rate(self, Omega: ArrayLike, eps: ArrayLike) -> FloatArray:
@@ -137,4 +144,4 @@ class TransitionCurve:
             If an argument is not real or not finite, or the shapes do not broadcast.
         """
         frequency, amplitude = points(Omega, eps)
-        return self.resonance.growth(self.j * (frequency - self.centre), amplitude)
+        return self.prediction.growth(self.j * (frequency - self.centre), amplitude)

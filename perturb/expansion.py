@@ -6,14 +6,14 @@ and with q = e^{lambda t} sum_h sum_nu a_nu^h Z_nu e^{i h Omega t}, the equation
     lambda a_nu^h = i (omega_nu - h Omega) a_nu^h - sum_mu Gamma_numu a_mu^h
                     - eps sum_j (E^{(j)} a^{h-j} + E^{(-j)} a^{h+j})_nu.
 
-A state is a pair (nu, h). States in resonance, those with almost equal omega_nu - h Omega, are treated exactly; all
-others act on them through the second-order sum of quasi-degenerate perturbation theory (Van Vleck's, symmetric in the
-two resonant states):
+A state is a pair (nu, h). The states in resonance have almost equal omega_nu - h Omega and are treated exactly. All
+other states act on them through the second-order sum of quasi-degenerate perturbation theory, in Van Vleck's form,
+which is symmetric in the two resonant states:
 
     H_ab = D_a delta_ab + V_ab + 1/2 sum_c V_ac V_cb [1 / (D_a - D_c) + 1 / (D_b - D_c)],   D = i (omega_nu - h Omega).
 
-The eigenvalues of H are the exponents lambda with an error of third order in eps and damping. Without the sum they are
-the first-order result, which for a pair of states alone is eqs. (25) and (27).
+The eigenvalues of H are the exponents lambda, with an error of third order in eps and damping. Without the sum they are
+the first-order result; for a pair of states alone that is eqs. (25) and (27).
 """
 
 from __future__ import annotations
@@ -26,24 +26,24 @@ from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
 from periodic import PeriodicSystem
-from periodic.checks import FloatArray
+from periodic.checks import ComplexArray, FloatArray
 from perturb.coupling import amplitude, is_symmetric, projection
-from perturb.modes import ComplexArray, GyroscopicModes
+from perturb.modes import GyroscopicModes
 
-# States whose frequencies in the resonance differ by less than this part of Omega belong together: a fifth of the
-# distance Omega between the harmonics of one mode. Where the excitation couples a state less than others, the distance
-# is less in proportion, so that no term of the second-order sum is larger than V^2 / (NEAR Omega) with the strongest V.
-NEAR = 0.2
+# Two states resonate together if their frequencies differ by less than this part of Omega, a fifth of the distance
+# between neighbouring harmonics of one mode. For a state that the excitation couples less than others the limit is
+# lower in proportion, so that no term of the second-order sum exceeds V^2 / (NEAR_RESONANCE Omega), V the strongest.
+NEAR_RESONANCE = 0.2
 
-# To first order only states of equal frequency belong together, that is equal to rounding of the modes.
-EQUAL = 1e-9
+# To first order only states of one frequency resonate together: equal to rounding of the modes, as a part of Omega.
+EQUAL_FREQUENCY = 1e-9
 
-# Stands for zero in a quotient.
-TINY = np.finfo(float).tiny
+# At most so many states are treated as resonant together. Chains of resonances are longer (the frequencies of a string
+# are all multiples of the first); what is cut off lies several interactions away from the pair that names the region.
+MAX_RESONANT_STATES = 8
 
-# A block holds at most so many states. Chains of resonances (a string, all of whose frequencies are multiples of the
-# first) are longer; what is cut off lies several interactions away from the pair that names the region.
-LARGEST_BLOCK = 8
+# Least divisor of a quotient that has to stay finite.
+SMALLEST_NORMAL = np.finfo(float).tiny
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +55,7 @@ class ModalCouplings:
     omega : ndarray, shape (2n,)
         Signed frequencies.
     E : ndarray, shape (2J + 1, 2n, 2n), complex
-        E[J + j] is E^{(j)}, j = -J..J; in the middle, for j = 0, stands Gamma.
+        E[J + j] is E^{(j)} for j = -J..J; the entry in the middle, j = 0, is Gamma.
     conservative : bool
         No damping and symmetric excitation matrices.
     """
@@ -95,7 +95,7 @@ def modal_couplings(modes: GyroscopicModes, system: PeriodicSystem) -> ModalCoup
 
 
 @dataclass(frozen=True, eq=False)
-class EffectiveBlock:
+class EffectiveMatrix:
     """Matrix H(x, eps) of the m states in resonance, in axes that rotate with e^{i omega_p t}; x = Omega - centre.
 
     Attributes
@@ -107,11 +107,11 @@ class EffectiveBlock:
     powers : ndarray, shape (3, m, m), complex
         Coefficients of 1, eps and eps^2.
     sizes : ndarray, shape (3, m, m)
-        The same sums with every term replaced by its modulus: what rounding is measured against.
+        The same sums with every term replaced by its modulus, which rounding is measured against.
     drift : ndarray, shape (m, m), complex
         Coefficient of eps x, where the excitation depends on Omega.
     same : ndarray of bool, shape (m, m)
-        States of one repeated frequency and one harmonic: their basis is arbitrary, so they count together.
+        Pairs of states of one repeated frequency and one harmonic. Their basis is arbitrary, so they count together.
     conservative : bool
     """
 
@@ -123,23 +123,23 @@ class EffectiveBlock:
     same: NDArray[np.bool_]
     conservative: bool
 
-    def matrix(self, x: FloatArray, eps: FloatArray) -> ComplexArray:
+    def at(self, x: FloatArray, eps: FloatArray) -> ComplexArray:
         """Return H for arrays x and eps that broadcast, shape (..., m, m)."""
         x, eps = np.asarray(x)[..., None, None], np.asarray(eps)[..., None, None]
         H = self.powers[0] + eps * self.powers[1] + eps**2 * self.powers[2] + eps * x * self.drift
         return H + 1j * (np.diag(self.detuning) - x * np.diag(self.states[:, 1]))
 
 
-def effective_block(
+def effective_matrix(
     couplings: ModalCouplings,
     pair: list[tuple[int, int]],
     centre: float,
     order: int,
     slope: ModalCouplings | None = None,
-) -> EffectiveBlock:
+) -> EffectiveMatrix:
     """Return the effective matrix of the resonance of ``pair``, its near-resonant states included.
 
-    If nothing links the two states with each other they are left alone: what happens to either is another resonance.
+    A pair that nothing links with each other is left alone: what happens to either state is another resonance.
 
     Parameters
     ----------
@@ -153,18 +153,18 @@ def effective_block(
     slope : ModalCouplings, optional
         Derivative of the couplings with respect to Omega.
     """
-    block = _block_of(couplings, resonant_states(couplings, pair, centre, order), centre, order, slope)
-    _, component = connected_components(block.sizes.sum(axis=0) > 0, directed=False)
-    return block if component[0] == component[1] else _block_of(couplings, pair, centre, order, slope)
+    matrix = _among(couplings, resonant_states(couplings, pair, centre, order), centre, order, slope)
+    _, component = connected_components(matrix.sizes.sum(axis=0) > 0, directed=False)
+    return matrix if component[0] == component[1] else _among(couplings, pair, centre, order, slope)
 
 
-def _block_of(
+def _among(
     couplings: ModalCouplings,
     states: list[tuple[int, int]],
     centre: float,
     order: int,
     slope: ModalCouplings | None,
-) -> EffectiveBlock:
+) -> EffectiveMatrix:
     nu, h = np.array(states).T
     d = couplings.omega[nu] - h * centre
     powers, sizes = np.zeros((3, len(nu), len(nu)), dtype=complex), np.zeros((3, len(nu), len(nu)))
@@ -177,14 +177,14 @@ def _block_of(
         V_ac, V_cb = _interaction(couplings, nu, h, mu, harmonic), _interaction(couplings, mu, harmonic, nu, h)
         gap = d[:, None] - (couplings.omega - k * centre)
         far = np.abs(gap) > [_near(couplings, (a, h_a), k, centre) for a, h_a in states]
-        far[:, nu[h == k]] = False  # states of the block
+        far[:, nu[h == k]] = False  # resonant states
         weight = np.divide(-0.5j, gap, out=np.zeros(gap.shape, dtype=complex), where=far)  # 1/2 / (D_a - D_c)
         power = (h != k).astype(int)
         _add(powers, sizes, power[:, None] + power, V_ac * weight, V_cb)
         _add(powers, sizes, power[:, None] + power, V_ac, V_cb * weight.T)
     drift = np.zeros_like(powers[0]) if slope is None else _interaction(slope, nu, h, nu, h) * (h[:, None] != h)
-    same = (h[:, None] == h) & (np.abs(d[:, None] - d) <= EQUAL * centre)
-    return EffectiveBlock(np.array(states), d - d[0], powers, sizes, drift, same, couplings.conservative)
+    same = (h[:, None] == h) & (np.abs(d[:, None] - d) <= EQUAL_FREQUENCY * centre)
+    return EffectiveMatrix(np.array(states), d - d[0], powers, sizes, drift, same, couplings.conservative)
 
 
 def resonant_states(
@@ -193,34 +193,34 @@ def resonant_states(
     """Return ``pair`` and the states that are in resonance with it and coupled to it, nearest interactions first.
 
     To first order a state joins if its frequency is that of a member it interacts with. To second order it joins if its
-    frequency is within `NEAR` of that, or, where only damping or two interactions together link it to a member, within
-    the square of `NEAR`.
+    frequency is within `NEAR_RESONANCE` of that. Where only damping or two interactions together link it to a member,
+    the limit is the square of `NEAR_RESONANCE`.
     """
     states = list(pair)
     J = couplings.harmonics
-    for nu, h in states:  # grows while it is read
+    for nu, h in states:  # the list grows while it is read
         for k in range(h - 2 * J, h + 2 * J + 1):
             gap = np.abs(couplings.omega - k * centre - (couplings.omega[nu] - h * centre))
             near = _near(couplings, (nu, h), k, centre)
-            joins = (near > 0) & (gap <= EQUAL * centre) if order == 1 else gap < near
-            linked = (gap < NEAR**2 * centre) & (order == 2)
+            joins = (near > 0) & (gap <= EQUAL_FREQUENCY * centre) if order == 1 else gap < near
+            linked = (gap < NEAR_RESONANCE**2 * centre) & (order == 2)
             for mu in np.flatnonzero(joins | linked).tolist():
                 if (mu, k) not in states and (joins[mu] or _linked_twice(couplings, (nu, h), (mu, k))):
                     states.append((mu, k))
-                if len(states) == LARGEST_BLOCK:
+                if len(states) == MAX_RESONANT_STATES:
                     return states
     return states
 
 
 def _near(couplings: ModalCouplings, state: tuple[int, int], k: int, centre: float) -> FloatArray:
-    """Return the distances in frequency below which the states (mu, k), mu = 1..2n, belong to ``state``; 0 if never."""
+    """Return the differences in frequency below which states (mu, k), mu = 1..2n, resonate with ``state``; 0: never."""
     (nu, h), J, E = state, couplings.harmonics, couplings.E
     if abs(h - k) > J:
         return np.zeros(len(couplings.omega))
     strength = np.maximum(np.abs(E[J + h - k, nu]), np.abs(E[J + k - h, :, nu]))
     if h == k:
-        return NEAR**2 * centre * (strength > 0)
-    return NEAR * centre * strength / max(couplings.strongest[nu], TINY)
+        return NEAR_RESONANCE**2 * centre * (strength > 0)
+    return NEAR_RESONANCE * centre * strength / max(couplings.strongest[nu], SMALLEST_NORMAL)
 
 
 def _interaction(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,13 +13,13 @@ from periodic import PeriodicSystem
 from periodic.checks import ComplexArray, FloatArray, is_positive_definite
 from periodic.system import SYMMETRY_TOLERANCE
 
-# Frequencies closer than this part of the highest one are one repeated frequency: a hundred times what the
-# Hermitian eigenproblem loses at the sizes in use, so that the vectors within such a group are arbitrary.
-REPEATED = 1e-11
+# Frequencies closer than this part of the highest one are one repeated frequency. The Hermitian eigenproblem loses a
+# hundredth of it at the sizes in use, so the vectors within such a group are arbitrary.
+REPEATED_FREQUENCY = 1e-11
 
-# What couples or damps a mode below this part of what the same matrix does to other modes is zero by symmetry, not
-# small: modes of plates with 200 coordinates leave 2e-13 in place of such a zero.
-ROUNDING = 1e-11
+# A coupling or damping of a mode below this part of what the same matrix does to other modes is zero by symmetry. Modes
+# of plates with 200 coordinates leave 2e-13 in place of such a zero.
+MODAL_ZERO = 1e-11
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +50,7 @@ class GyroscopicModes:
     @property
     def repeated(self) -> NDArray[np.bool_]:
         """Modes that share their frequency with another one, shape (n,)."""
-        equal = np.diff(self.frequencies) <= REPEATED * self.frequencies[-1]
+        equal = np.diff(self.frequencies) <= REPEATED_FREQUENCY * self.frequencies[-1]
         return np.concatenate([[False], equal]) | np.concatenate([equal, [False]])
 
     @property
@@ -69,18 +69,10 @@ class GyroscopicModes:
         product = self.frequencies**2 * _forms(self.vectors, damping)
         size = np.abs(self.vectors)
         scale = self.frequencies**2 * _forms(size, np.abs(damping))
-        # Terms that cancel leave rounding in proportion to their size; a mode that is at rest where the damper
-        # sits leaves the square of its rounding there.
-        rounding = ROUNDING * scale + ROUNDING**2 * scale.max()
+        # Terms that cancel leave rounding in proportion to their size. A mode at rest where the damper sits leaves
+        # the square of its rounding there.
+        rounding = MODAL_ZERO * scale + MODAL_ZERO**2 * scale.max()
         return np.where(np.abs(product) <= rounding, 0.0, product)
-
-
-class ModalBlocks(NamedTuple):
-    """Matrices of eq. (17) by 2 x 2 blocks: [..., n, m, r, s] holds the paper's c_{nm}^{rs} (all counted from 0)."""
-
-    C: FloatArray  # (n, n, 2, 2), of the damping matrix
-    G: FloatArray  # (J, n, n, 2, 2), of the cosine harmonics
-    H: FloatArray  # (J, n, n, 2, 2), of the sine harmonics
 
 
 def gyroscopic_modes(system: PeriodicSystem) -> GyroscopicModes:
@@ -128,26 +120,6 @@ def gyroscopic_modes(system: PeriodicSystem) -> GyroscopicModes:
     return GyroscopicModes(omega, w, modes.decay_coefficients(system.damping))
 
 
-def modal_blocks(system: PeriodicSystem, modes: GyroscopicModes) -> ModalBlocks:
-    """Return the matrices C, G and H of eqs. (17), (18) for the matrices of ``system``, in the basis P of ``modes``.
-
-    C belongs to the damping matrix as it stands (c K_oe) and G, H to the harmonics as they stand (f0 F_cj, f0 F_sj).
-    """
-    P = modes.modal_matrix
-    n = len(P) // 2
-    velocity, displacement = P[:n], P[n:]
-
-    def blocks(matrix: FloatArray) -> FloatArray:
-        shape = (*matrix.shape[:-2], n, 2, n, 2)
-        return np.swapaxes(matrix.reshape(shape), -3, -2)
-
-    return ModalBlocks(
-        C=blocks(velocity.T @ system.damping @ velocity),  # eq. (17)
-        G=blocks(velocity.T @ system.cosine @ displacement),
-        H=blocks(velocity.T @ system.sine @ displacement),
-    )
-
-
 def _checked_stiffness(K: FloatArray) -> FloatArray:
     """Return K made exactly symmetric; refuse what the modes of eq. (14) do not exist for."""
     defect = float(np.abs(K - K.T).max())
@@ -172,7 +144,7 @@ def _forms(w: NDArray[Any], A: FloatArray) -> FloatArray:
 
 def _repeated(omega: FloatArray) -> list[slice]:
     """Return the groups of equal frequencies, single ones included."""
-    starts = [0, *(np.flatnonzero(np.diff(omega) > REPEATED * omega[-1]) + 1).tolist()]
+    starts = [0, *(np.flatnonzero(np.diff(omega) > REPEATED_FREQUENCY * omega[-1]) + 1).tolist()]
     return [slice(a, b) for a, b in zip(starts, [*starts[1:], len(omega)], strict=True)]
 
 

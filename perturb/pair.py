@@ -12,18 +12,19 @@ function here takes arrays that broadcast together. L is real for symmetric exci
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from periodic.checks import FloatArray
-from perturb.modes import ComplexArray
 
 
-def pair_growth(C_p: FloatArray, C_q: FloatArray, L: ComplexArray, s: FloatArray) -> FloatArray:
+def pair_growth(C_p: ArrayLike, C_q: ArrayLike, L: ArrayLike, s: ArrayLike) -> FloatArray:
     """Return the larger real part of the two eigenvalues."""
+    C_p, C_q, L, s = np.broadcast_arrays(C_p, C_q, L, s)
     S, D = (C_p + C_q) / 2, (C_p - C_q) / 2
     return 0.5 * (np.sqrt((D + 1j * s) ** 2 + L).real - S)
 
 
-def pair_edges(C_p: FloatArray, C_q: FloatArray, L: ComplexArray) -> tuple[FloatArray, FloatArray]:
+def pair_edges(C_p: ArrayLike, C_q: ArrayLike, L: ArrayLike) -> tuple[FloatArray, FloatArray]:
     """Return the detunings between which the pair is unstable; NaN where it is stable at every detuning.
 
     The larger real part vanishes where C_p C_q s^2 - D Im(L) s - Im(L)^2 / 4 - S^2 (Re(L) - C_p C_q) = 0, with
@@ -54,26 +55,29 @@ def pair_edges(C_p: FloatArray, C_q: FloatArray, L: ComplexArray) -> tuple[Float
     return np.where(grows_alone, -np.inf, low), np.where(grows_alone, np.inf, high)
 
 
-def pair_edges_vanishing(c_p: FloatArray, c_q: FloatArray, L: ComplexArray) -> tuple[FloatArray, FloatArray]:
+def pair_edges_vanishing(c_p: ArrayLike, c_q: ArrayLike, L: ArrayLike) -> tuple[FloatArray, FloatArray]:
     """Return the limit of `pair_edges` for C_p = alpha c_p, C_q = alpha c_q with alpha -> 0.
 
     It is not the undamped result: for real L the edges ± sqrt(L) move out by (c_p + c_q) / (2 sqrt(c_p c_q)).
     """
+    c_p, c_q, L = np.broadcast_arrays(c_p, c_q, L)
     with np.errstate(invalid="ignore"):
         half = np.where(L.imag == 0, _widening(c_p, c_q) * np.sqrt(L.real), np.inf)
     return -half, half
 
 
-def pair_tip(C_p: FloatArray, C_q: FloatArray, L: ComplexArray) -> FloatArray:
+def pair_tip(C_p: ArrayLike, C_q: ArrayLike, L: ArrayLike) -> FloatArray:
     """Return the eps at which the region opens, for L the value at eps = 1 of a product that grows like eps^2."""
+    C_p, C_q, L = np.broadcast_arrays(C_p, C_q, L)
     reach = np.abs(L) + L.real  # 2 L where L is real and positive, 0 where it is real and negative
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         tip = np.sqrt(2 * C_p * C_q / reach)
     return np.where(reach > 0, tip, np.inf)
 
 
-def pair_slope(C_p: FloatArray, C_q: FloatArray, L: ComplexArray) -> FloatArray:
+def pair_slope(C_p: ArrayLike, C_q: ArrayLike, L: ArrayLike) -> FloatArray:
     """Return d(half width in s) / d eps as eps grows, for L as in `pair_tip`."""
+    C_p, C_q, L = np.broadcast_arrays(C_p, C_q, L)
     with np.errstate(invalid="ignore"):
         slope = np.where(L.real > 0, _widening(C_p, C_q) * np.sqrt(L.real), 0.0)
     return np.where(L.imag == 0, slope, np.inf)

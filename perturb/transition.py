@@ -3,35 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from periodic import PeriodicSystem, SystemFamily
-from periodic.checks import FloatArray, interval, one_of, real_array, whole_number
+from periodic import PeriodicSystem, SystemFamily, member_at
+from periodic.checks import ComplexArray, FloatArray, interval, one_of, real_array, whole_number
 from periodic.system import SYMMETRY_TOLERANCE
 from perturb.coupling import amplitude, products
-from perturb.curve import Resonance, TransitionCurve
-from perturb.first_order import FirstOrder
-from perturb.modes import REPEATED, ComplexArray, GyroscopicModes, gyroscopic_modes
-from perturb.second_order import CoupledStates, Expansion, same_excitation
-
-TYPES = ("sum", "difference")
-
-
-class Resonances(NamedTuple):
-    """All resonances with centre in a range, as arrays of equal length."""
-
-    p: NDArray[np.intp]  # from 0, as q
-    q: NDArray[np.intp]
-    j: NDArray[np.intp]
-    type: NDArray[np.str_]
-    centre: FloatArray
-
-    def rows(self) -> Iterator[tuple[int, int, int, str, float]]:
-        """Return (p, q, j, type, centre) of one resonance after the other."""
-        return zip(*(column.tolist() for column in self), strict=True)
+from perturb.curve import Prediction, TransitionCurve
+from perturb.modes import GyroscopicModes, gyroscopic_modes
+from perturb.resonance import TYPES, Resonances, find_resonances
+from perturb.resonant_pair import ResonantPair
+from perturb.resonant_states import Expansion, ResonantStates, same_excitation
 
 
 def transition_curves(
@@ -45,8 +30,8 @@ def transition_curves(
     """Return the transition curves of all resonances with centre in ``Omega_range``.
 
     First order treats every pair of modes (p, q) and harmonic j on its own, as eqs. (24)-(28) do, with the excitation
-    taken at the centre of the region; only modes of one repeated frequency act together. Second order
-    (`perturb.second_order`) adds frequency shift and curvature, the regions of j = j1 + j2, and the interaction of
+    taken at the centre of the region. Only modes of one repeated frequency act together. Second order
+    (`perturb.resonant_states`) adds frequency shift and curvature, the regions of j = j1 + j2, and the interaction of
     resonances that lie close together or coincide.
 
     Parameters
@@ -89,7 +74,7 @@ def transition_curves(
     low, high = interval("Omega_range", Omega_range, nonnegative=True)
     order = whole_number("order", order, least=1, most=2)
     types = _checked_types(types)
-    system = _system_at(family, high)
+    system = member_at(family, high, "family")
     modes = gyroscopic_modes(system)
     if (modes.decay < 0).any():
         n = int(np.argmin(modes.decay))
@@ -106,35 +91,17 @@ def transition_curves(
     L = _products_at_centres(family, modes, found)
     expansion, repeated = Expansion(family, modes), modes.repeated.tolist()
     curves = []
-    for (p, q, j, type, centre), value in zip(found.rows(), L, strict=True):
+    for resonance, value in zip(found.rows(), L, strict=True):
+        p, q = resonance.p - 1, resonance.q - 1
         vanishing = None if proportion is None else (proportion[p], proportion[q])
-        resonance: Resonance = FirstOrder(type, value, modes.decay[p], modes.decay[q], vanishing)
+        prediction: Prediction = ResonantPair(resonance.type, value, modes.decay[p], modes.decay[q], vanishing)
         if (repeated[p] or repeated[q]) and vanishing is None:
-            resonance = CoupledStates(expansion, p, q, j, type, centre, 1, resonance)
+            prediction = ResonantStates(expansion, resonance, 1, prediction)
         if order == 2:
-            resonance = CoupledStates(expansion, p, q, j, type, centre, 2, resonance)
-        interaction = 1 if order == 1 or j in direct else 2
-        curves.append(TransitionCurve(p + 1, q + 1, j, type, order, interaction, centre, resonance))
+            prediction = ResonantStates(expansion, resonance, 2, prediction)
+        interaction = 1 if order == 1 or resonance.j in direct else 2
+        curves.append(TransitionCurve(resonance, order, interaction, prediction))
     return curves
-
-
-def find_resonances(
-    modes: GyroscopicModes, multiples: Sequence[int], Omega_range: tuple[float, float], types: Sequence[str]
-) -> Resonances:
-    """Return all p >= q, j in ``multiples`` with (omega_p ± omega_q) / j in the range, by increasing centre.
-
-    A difference of one repeated frequency is none.
-    """
-    omega = modes.frequencies
-    p, q = np.tril_indices(len(omega))
-    sign = np.array([1 if type == "sum" else -1 for type in types])
-    total = omega[p] + sign[:, None] * omega[q]
-    centre = total[:, None] / np.array(multiples)[:, None]  # [type, j, pair]
-    total = np.broadcast_to(total[:, None], centre.shape)
-    wanted = (total > REPEATED * omega[-1]) & (centre >= Omega_range[0]) & (centre <= Omega_range[1])
-    by_centre = np.argsort(centre[wanted], kind="stable")
-    of_type, of_j, pair = (index[by_centre] for index in np.nonzero(wanted))
-    return Resonances(p[pair], q[pair], np.array(multiples)[of_j], np.array(types)[of_type], centre[wanted][by_centre])
 
 
 def _products_at_centres(family: SystemFamily, modes: GyroscopicModes, found: Resonances) -> ComplexArray:
@@ -145,7 +112,7 @@ def _products_at_centres(family: SystemFamily, modes: GyroscopicModes, found: Re
             for type in TYPES:
                 chosen = run[(found.j[run] == j) & (found.type[run] == type)]
                 if len(chosen):
-                    L[chosen] = products(modes, amplitude(system, j), type)[found.p[chosen], found.q[chosen]]
+                    L[chosen] = products(modes, amplitude(system, j), type)[found.p[chosen] - 1, found.q[chosen] - 1]
     return L
 
 
@@ -153,7 +120,7 @@ def _shared_systems(family: SystemFamily, centres: FloatArray) -> Iterator[tuple
     """Return runs of neighbouring centres (their indices) at which the excitation is the same, each with its system."""
     start, shared = 0, None
     for k, centre in enumerate(centres.tolist()):
-        system = _system_at(family, centre)
+        system = member_at(family, centre, "family")
         if shared is not None and not same_excitation(system, shared):
             yield np.arange(start, k), shared
             start, shared = k, system
@@ -169,18 +136,6 @@ def _checked_types(types: Any) -> tuple[str, ...]:
     if not names or len(set(names)) < len(names):
         raise ValueError(f"types = {types!r} is empty or repeats itself; give some of {TYPES}")
     return names
-
-
-def _system_at(family: Any, Omega: float) -> PeriodicSystem:
-    if not callable(getattr(family, "at", None)):
-        given = type(family).__name__
-        raise ValueError(
-            f"family is of type {given} without a method at(Omega); give a PeriodicSystem or a SystemFamily"
-        )
-    system = family.at(Omega)
-    if not isinstance(system, PeriodicSystem):
-        raise ValueError(f"family.at({Omega!r}) is of type {type(system).__name__}; let it return a PeriodicSystem")
-    return system
 
 
 def _proportion(D: ArrayLike | None, modes: GyroscopicModes, order: int) -> FloatArray | None:

@@ -7,6 +7,10 @@ from typing import Any
 import numpy as np
 
 from periodic import PeriodicSystem
+from periodic.checks import FloatArray
+
+Real = float | FloatArray  # one number
+MATRICES = ("mass", "gyroscopic", "damping", "stiffness", "cosine", "sine")
 
 
 def random_system(
@@ -30,14 +34,17 @@ def random_system(
 
 def changed(system: PeriodicSystem, **matrices: Any) -> PeriodicSystem:
     """The same system with some matrices replaced."""
-    names = ("mass", "gyroscopic", "damping", "stiffness", "cosine", "sine")
-    return PeriodicSystem(**({name: getattr(system, name) for name in names} | matrices))
+    return PeriodicSystem(**({name: getattr(system, name) for name in MATRICES} | matrices))
 
 
 def congruent(system: PeriodicSystem, T: np.ndarray) -> PeriodicSystem:
     """The system in coordinates V, W = T V."""
-    names = ("mass", "gyroscopic", "damping", "stiffness", "cosine", "sine")
-    return PeriodicSystem(**{name: T.T @ getattr(system, name) @ T for name in names})
+    return PeriodicSystem(**{name: T.T @ getattr(system, name) @ T for name in MATRICES})
+
+
+def copies(system: PeriodicSystem, count: int) -> PeriodicSystem:
+    """``count`` copies of a system side by side, so that every frequency is repeated."""
+    return PeriodicSystem(**{name: np.kron(np.eye(count), getattr(system, name)) for name in MATRICES})
 
 
 def moving_string(v: float, n: int) -> PeriodicSystem:
@@ -82,7 +89,7 @@ def hill_growth(system: PeriodicSystem, Omega: float, eps: float, cut: int = 9) 
 
 
 def hill_edges(
-    system: PeriodicSystem, inside: float, reach: float, eps: float, threshold: float = 1e-7, cut: int = 9
+    system: PeriodicSystem, inside: Real, reach: Real, eps: float, threshold: float = 1e-7, cut: int = 9
 ) -> tuple[float, float]:
     """Edges of the unstable interval around ``inside`` by bisection on `hill_growth`; stable at inside ± reach.
 
@@ -91,7 +98,7 @@ def hill_edges(
     """
     edges = []
     for side in (-1, 1):
-        unstable, stable = inside, inside + side * reach
+        unstable, stable = float(inside), float(inside + side * reach)
         assert hill_growth(system, unstable, eps, cut) > threshold >= hill_growth(system, stable, eps, cut)
         while abs(stable - unstable) > 1e-11:
             middle = 0.5 * (stable + unstable)

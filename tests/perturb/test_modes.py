@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from periodic import PeriodicSystem
 from periodic.examples import gyroscopic_rotor, mathieu
 from perturb import gyroscopic_modes
-from perturb.modes import modal_blocks
-from tests.perturb.perturb_oracles import changed, congruent, moving_string, random_system
+from tests.perturb.paper_blocks import modal_blocks
+from tests.perturb.perturb_oracles import changed, congruent, copies, moving_string, random_system
 
 seeds = st.integers(0, 10**6)
 few = settings(deadline=None, max_examples=15)
@@ -178,26 +178,22 @@ def test_moving_string_converges_to_its_frequencies() -> None:
 
 @few
 @given(seeds, st.integers(2, 4))
-def test_repeated_frequencies_stay_orthogonal(seed: int, copies: int) -> None:
+def test_repeated_frequencies_stay_orthogonal(seed: int, count: int) -> None:
     """Copies of one system, mixed by a random change of coordinates."""
     one = random_system(seed, 2, damping=0.1)
-    T = np.random.default_rng(seed).normal(size=(2 * copies, 2 * copies)) + 4 * np.eye(2 * copies)
-    many = PeriodicSystem(
-        *(np.kron(np.eye(copies), m) for m in (one.mass, one.gyroscopic, one.damping)),
-        np.kron(np.eye(copies), one.stiffness),
-        [np.kron(np.eye(copies), one.cosine[0])],
-    )
-    modes = gyroscopic_modes(congruent(many, T))
-    np.testing.assert_allclose(modes.frequencies, np.repeat(gyroscopic_modes(one).frequencies, copies), rtol=1e-10)
+    T = np.random.default_rng(seed).normal(size=(2 * count, 2 * count)) + 4 * np.eye(2 * count)
+    many = congruent(copies(one, count), T)
+    modes = gyroscopic_modes(many)
+    np.testing.assert_allclose(modes.frequencies, np.repeat(gyroscopic_modes(one).frequencies, count), rtol=1e-10)
     assert modes.repeated.all()
-    A, _ = first_order_matrices(congruent(many, T))
+    A, _ = first_order_matrices(many)
     P = modes.modal_matrix
-    np.testing.assert_allclose(P.T @ A @ P, np.eye(4 * copies), atol=1e-10)
+    np.testing.assert_allclose(P.T @ A @ P, np.eye(4 * count), atol=1e-10)
 
 
 def test_repeated_frequencies_have_one_basis() -> None:
     """Largest components first: the coordinate axes where the system allows them, whatever the solver returns."""
-    modes = gyroscopic_modes(PeriodicSystem(np.eye(3), *np.zeros((2, 3, 3)), 4 * np.eye(3), np.zeros((1, 3, 3))))
+    modes = gyroscopic_modes(copies(changed(mathieu(4.0), cosine=[[[0.0]]]), 3))
     np.testing.assert_allclose(np.abs(modes.vectors), 0.5 * np.eye(3), atol=1e-15)
     np.testing.assert_allclose(modes.vectors.real, np.abs(modes.vectors), atol=1e-15)
 
@@ -206,10 +202,7 @@ def test_repeated_frequencies_have_one_basis() -> None:
 @given(seeds)
 def test_vectors_are_real_without_gyroscopic_forces(seed: int) -> None:
     one = random_system(seed, 3, gyroscopic=0.0)
-    two = PeriodicSystem(
-        *(np.kron(np.eye(2), getattr(one, m)) for m in ("mass", "gyroscopic", "damping", "stiffness")),
-        [np.kron(np.eye(2), one.cosine[0])],
-    )
+    two = copies(one, 2)
     for system in (one, two):
         modes = gyroscopic_modes(system)
         assert np.abs(modes.vectors.imag).max() < 1e-12 * np.abs(modes.vectors.real).max()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ from floquet import trace_boundary
 from periodic import PeriodicSystem
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu, meissner
 from perturb import gyroscopic_modes, transition_curves
-from perturb.expansion import effective_block, modal_couplings
+from perturb.expansion import effective_matrix, modal_couplings
 from plate import MovingPlate
 from tests.perturb.perturb_oracles import (
     changed,
@@ -24,7 +24,7 @@ from tests.perturb.perturb_oracles import (
     hill_growth,
     random_system,
 )
-from tests.perturb.second_order_oracles import EVERYTHING, curves, gaps
+from tests.perturb.second_order_oracles import EVERYTHING, curves, gaps, matrix_of
 
 # --- Mathieu ---------------------------------------------------------------------------------------------------------
 
@@ -45,7 +45,7 @@ def test_mathieu_edges_are_the_series_to_second_order() -> None:
 def mathieu_edges(n: int, eps: float) -> tuple[float, float]:
     """Exact edges in Omega of the n-th region at delta = 1: a = 4 / Omega^2, q = 2 eps / Omega^2."""
 
-    def edge(characteristic: Callable[[int, float], float]) -> float:
+    def edge(characteristic: Any) -> float:
         return brentq(lambda Omega: characteristic(n, 2 * eps / Omega**2) - 4 / Omega**2, 1.6 / n, 2.4 / n, xtol=1e-14)
 
     a, b = edge(mathieu_a), edge(mathieu_b)
@@ -72,7 +72,7 @@ def test_damped_second_order_region_of_mathieu_opens_at_its_tip() -> None:
     assert np.isnan(tongue.edges(0.999 * tongue.tip)).all()
     lower, upper = tongue.edges(1.02 * tongue.tip)
     for part, sign in ((0.98, -1), (1.02, 1)):
-        assert sign * hill_growth(system, 0.5 * (lower + upper), part * tongue.tip) > 0
+        assert sign * hill_growth(system, float(0.5 * (lower + upper)), part * tongue.tip) > 0
 
 
 # Unsymmetric, but without gyroscopic forces and with one cosine only: every L is real but for rounding.
@@ -150,7 +150,7 @@ def test_gap_of_a_family_is_of_third_order(label: str) -> None:
     gap = []
     for value in eps:
         for edge in found.edges(value):
-            system = family.at(edge)
+            system = family.at(float(edge))
             exact = hill_edges(system, found.centre + 0.5 * (edge - found.centre), 2 * value, value, cut=6)
             gap.append(abs(edge - exact[int(edge > found.centre)]))
     # The edge of the system frozen at our edge differs from the edge of the family in proportion to the gap itself.
@@ -169,14 +169,14 @@ def test_exponents_of_the_effective_matrix_are_of_third_order(seed: int, symmetr
     for found in transition_curves(system, EVERYTHING, order=2):
         partner = found.q - 1 + (2 if found.type == "sum" else 0)
         pair = [(found.p - 1, 0), (partner, -found.j)]
-        if len(found.resonance.block.states) > 2:
+        if len(matrix_of(found).states) > 2:
             continue
         worst = []
         for value in eps:
             damped = changed(system, damping=damping * value * random_system(seed, 2, damping=1.0).damping)
-            block = effective_block(modal_couplings(modes, damped), pair, found.centre, order=2)
+            matrix = effective_matrix(modal_couplings(modes, damped), pair, found.centre, order=2)
             x = 0.2 * value
-            ours = np.linalg.eigvals(block.matrix(np.array(x), np.array(value))) + 1j * modes.frequencies[found.p - 1]
+            ours = np.linalg.eigvals(matrix.at(np.array(x), np.array(value))) + 1j * modes.frequencies[found.p - 1]
             exact = hill_exponents(damped, found.centre + x, value, cut=12)
             nearest = [exact[np.argmin(np.abs(exact - exponent))] for exponent in ours]
             worst.append(max(np.abs(np.prod(exponent - ours)) for exponent in nearest))
@@ -227,16 +227,16 @@ def test_no_difference_type_for_conservative_systems() -> None:
             assert found.tip == np.inf
 
 
-def test_edges_keep_the_shape_of_eps_in_blocks_too() -> None:
+def test_edges_keep_the_shape_of_eps_among_more_states_too() -> None:
     zero = np.zeros((2, 2))
     system = PeriodicSystem(np.eye(2), zero, zero, np.diag([1.0, 9.0]), [[[1.0, 0.8], [0.8, 1.0]]])
-    block = curves(system)["2ω₁"]
-    for found in (block, curves(mathieu())["2ω₁"]):
+    crowded = curves(system)["2ω₁"]
+    for found in (crowded, curves(mathieu())["2ω₁"]):
         for eps in (0.1, [0.1], [[0.05, 0.1], [0.15, 0.2]], np.zeros((2, 0))):
             lower, upper = found.edges(eps)
             assert np.shape(lower) == np.shape(upper) == np.shape(eps)
         assert found.growth_rate([[1.9], [2.0]], [0.1, 0.2, 0.3]).shape == (2, 3)
-    np.testing.assert_array_equal(block.edges([0.05, 0.1]), np.transpose([block.edges(0.05), block.edges(0.1)]))
+    np.testing.assert_array_equal(crowded.edges([0.05, 0.1]), np.transpose([crowded.edges(0.05), crowded.edges(0.1)]))
 
 
 # --- invariances -----------------------------------------------------------------------------------------------------

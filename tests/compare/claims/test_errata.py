@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from perturb import gyroscopic_modes
-from perturb.modes import modal_blocks
 from plate import EdgeLoad, MovingPlate
 from tests.paths import ROOT
+from tests.perturb.paper_blocks import modal_blocks
 
 
 def test_damped_shear_stress_follows_the_shear_strain() -> None:

@@ -1,4 +1,4 @@
-"""Second order where further states are near resonance: they join the block, and nothing is divided by little."""
+"""Second order where further states are near resonance: they join the pair, and nothing is divided by little."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pytest
 
 from periodic import PeriodicSystem
 from perturb import gyroscopic_modes
-from perturb.expansion import LARGEST_BLOCK, NEAR, modal_couplings
+from perturb.expansion import MAX_RESONANT_STATES, NEAR_RESONANCE, modal_couplings
 from tests.perturb.perturb_oracles import (
     congruent,
     fitted_order,
@@ -15,7 +15,7 @@ from tests.perturb.perturb_oracles import (
     hill_growth,
     random_system,
 )
-from tests.perturb.second_order_oracles import curves, gaps
+from tests.perturb.second_order_oracles import curves, gaps, matrix_of
 
 
 @pytest.mark.parametrize(
@@ -28,7 +28,7 @@ def test_a_third_state_in_resonance_does_no_harm(detuning: float, states: int) -
     K = np.diag([1.0, 9.0 * (1 + detuning) ** 2])
     system = PeriodicSystem(np.eye(2), zero, zero, K, [[[1.0, 0.8], [0.8, 1.0]]])
     found = curves(system)["2ω₁"]
-    assert len(found.resonance.block.states) == states
+    assert len(matrix_of(found).states) == states
     eps = 0.08
     assert gaps(system, "2ω₁", np.array([eps]), cut=8)[0] < 0.1 * eps**3
     Omega = np.linspace(1.93, 2.07, 15)
@@ -38,16 +38,16 @@ def test_a_third_state_in_resonance_does_no_harm(detuning: float, states: int) -
 
 
 def test_a_state_that_is_hardly_coupled_does_not_join() -> None:
-    """Unless it is as much nearer: blocks stay small, and the error does too."""
+    """Unless it is as much nearer: few states stay few, and the error does too."""
     zero, eps = np.zeros((2, 2)), 0.08
     for detuning, states in ((0.04, 2), (1e-4, 4)):
         K = np.diag([1.0, 9.0 * (1 + detuning) ** 2])
         system = PeriodicSystem(np.eye(2), zero, zero, K, [[[1.0, 0.02], [0.02, 1.0]]])
-        assert len(curves(system)["2ω₁"].resonance.block.states) == states
+        assert len(matrix_of(curves(system)["2ω₁"]).states) == states
         assert gaps(system, "2ω₁", np.array([eps]), cut=8)[0] < 0.1 * eps**3
 
 
-def test_gap_of_a_block_is_of_third_order() -> None:
+def test_gap_of_four_states_is_of_third_order() -> None:
     zero, eps = np.zeros((2, 2)), np.array([0.04, 0.02, 0.01])
     for detuning in (0.0, 0.02):
         K = np.diag([1.0, 9.0 * (1 + detuning) ** 2])
@@ -55,12 +55,12 @@ def test_gap_of_a_block_is_of_third_order() -> None:
         assert 2.85 < fitted_order(eps, gaps(system, "2ω₁", eps, cut=7)) < 3.15
 
 
-def test_states_of_a_wide_block_are_not_counted_twice() -> None:
-    """Of the frequencies 1, 3.2, 1.45 the third joins through the second, itself further than `NEAR` from the pair."""
+def test_states_of_a_wide_set_are_not_counted_twice() -> None:
+    """Of the frequencies 1, 3.2, 1.45 the third joins through the second; it is further than `NEAR_RESONANCE` away."""
     zero, eps = np.zeros((3, 3)), np.array([0.04, 0.02, 0.01])
     F = np.ones((3, 3)) - 0.5 * np.eye(3)
     system = PeriodicSystem(np.eye(3), zero, zero, np.diag(np.array([1.0, 3.2, 1.45]) ** 2), [F])
-    assert np.abs(curves(system)["2ω₁"].resonance.block.detuning).max() > NEAR * 2.0
+    assert np.abs(matrix_of(curves(system)["2ω₁"]).detuning).max() > NEAR_RESONANCE * 2.0
     assert 2.85 < fitted_order(eps, gaps(system, "2ω₁", eps, cut=6)) < 3.15
 
 
@@ -74,39 +74,39 @@ def test_damping_that_couples_close_modes_is_treated_exactly() -> None:
     np.testing.assert_allclose(found.growth_rate(Omega, eps), exact, atol=0.02 * eps**3)
 
 
-def test_a_narrow_region_in_a_block_is_not_overlooked() -> None:
+def test_a_narrow_region_among_resonant_states_is_not_overlooked() -> None:
     """Far narrower than the samples of the search, which spans what the strong coupling to the third state can move."""
     zero, eps = np.zeros((2, 2)), 0.03
     system = PeriodicSystem(np.eye(2), zero, zero, np.diag([1.0, 9.3]), [[[0.001, 0.8], [0.8, 1.0]]])
     found = curves(system)["2ω₁"]
-    assert len(found.resonance.block.states) > 2
+    assert len(matrix_of(found).states) > 2
     lower, upper = found.edges(eps)
     assert 0 < upper - lower < 1e-4
     exact = hill_edges(system, 0.5 * (lower + upper), upper - lower, eps, cut=7)
     np.testing.assert_allclose((lower, upper), exact, atol=0.2 * eps**3)
 
 
-def test_of_two_regions_in_a_block_the_pair_has_its_own() -> None:
+def test_of_two_regions_among_resonant_states_the_pair_has_its_own() -> None:
     """(ω₁+ω₂)/2 beside 2ω₂/3, in whose faster growth its states take part as well: the width grows like eps."""
     found = curves(random_system(16, 2, harmonics=2))["(ω₁+ω₂)/2"]
-    assert len(found.resonance.block.states) == 4
+    assert len(matrix_of(found).states) == 4
     eps = np.array([0.005, 0.01, 0.015])
     lower, upper = found.edges(eps)
     np.testing.assert_allclose((upper - lower) / eps, 0.217, atol=0.03)
 
 
-def test_blocks_stay_small_and_divide_by_nothing_small() -> None:
+def test_resonant_states_stay_few_and_divide_by_nothing_small() -> None:
     """A chain of resonances without end: frequencies 1, 3, 5, ... with a full excitation matrix."""
     n = 20
     K = np.diag((2.0 * np.arange(n) + 1) ** 2)
     zero = np.zeros((n, n))
     system = PeriodicSystem(np.eye(n), zero, zero, K, [np.ones((n, n))])
-    block = curves(system, (1.9, 2.1))["2ω₁"].resonance.block
-    assert len(block.states) == LARGEST_BLOCK
+    matrix = matrix_of(curves(system, (1.9, 2.1))["2ω₁"])
+    assert len(matrix.states) == MAX_RESONANT_STATES
     couplings = modal_couplings(gyroscopic_modes(system), system)
     largest = np.abs(couplings.E).max()
-    assert np.abs(block.powers[2]).max() <= 4 * n * largest**2 / (NEAR * 2.0)
-    assert np.isfinite(block.powers).all()
+    assert np.abs(matrix.powers[2]).max() <= 4 * n * largest**2 / (NEAR_RESONANCE * 2.0)
+    assert np.isfinite(matrix.powers).all()
 
 
 def test_modes_of_one_frequency_are_exact_mathieu_equations() -> None:

@@ -6,14 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from periodic.checks import FloatArray
-from perturb.modes import ComplexArray
+from periodic.checks import ComplexArray, FloatArray
 from perturb.pair import pair_edges, pair_edges_vanishing, pair_growth, pair_slope, pair_tip
 
 
 @dataclass(frozen=True, eq=False)
-class FirstOrder:
-    """A resonant pair to first order (`perturb.curve.Resonance`).
+class ResonantPair:
+    """A resonant pair to first order (`perturb.curve.Prediction`).
 
     Attributes
     ----------
