@@ -1,6 +1,16 @@
 """The paper's claims, each decided by computation over a stated range of parameters.
 
-`judge_claims` runs all of them. The rule that turns evidence into a verdict is in `compare.claims.evidence`.
+A claim is a function of a range of parameters. It breaks what the paper says into instances, decides each by theory,
+repeats the telling ones by integration and returns a verdict; the rule is in `compare.claims.evidence`:
+
+>>> from compare.claims import CLAIMS, QUICK_RANGE, judge_claims
+>>> [claim.__name__ for claim in CLAIMS][:2]
+['nothing_elsewhere', 'no_difference_regions']
+>>> QUICK_RANGE.aspect_ratios
+(1.0, 2.0)
+
+``judge_claims(quick=True)`` judges all of them over that range. `survey` makes the plates of a range, `quantities` the
+widths and places of their regions, `regions`, `inplane` and `trends` hold the claims themselves.
 """
 
 from __future__ import annotations
@@ -9,8 +19,9 @@ from collections.abc import Callable
 
 from tqdm import tqdm
 
-from compare.claims.evidence import ClaimVerdict, Verdict
+from compare.claims.evidence import ClaimVerdict, Traced, Verdict
 from compare.claims.inplane import inertia_hardly_matters, inertia_shifts_regions, stress_equals_linear_load
+from compare.claims.quantities import Measured
 from compare.claims.regions import (
     boundaries_are_straight,
     combination_regions_smaller,
@@ -23,7 +34,7 @@ from compare.claims.survey import QUICK_RANGE, ClaimRange
 from compare.claims.trends import damping_shrinks, longer_plate_shrinks, narrower_load_shrinks
 from floquet.running.parallel import gather
 
-__all__ = ["CLAIMS", "ClaimRange", "ClaimVerdict", "Verdict", "judge_claims"]
+__all__ = ["CLAIMS", "QUICK_RANGE", "ClaimRange", "ClaimVerdict", "Measured", "Traced", "Verdict", "judge_claims"]
 
 # In the order of the paper.
 CLAIMS: tuple[Callable[[ClaimRange], ClaimVerdict], ...] = (

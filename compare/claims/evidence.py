@@ -22,7 +22,7 @@ from typing import Any
 from compare.claims.quantities import Measured, Quantity
 
 # So many findings of a group are tried until integration is decisive; regions that merge with others cannot be told.
-ATTEMPTS = 3
+MAX_TRACING_ATTEMPTS = 3
 
 
 class Verdict(StrEnum):
@@ -221,7 +221,7 @@ def _finite(value: float) -> float | None:
 
 def _tell(group: Sequence[Finding]) -> Traced:
     """Trace the finding that misses the claim most, or else the one that holds most narrowly; the next if undecided."""
-    first, *others = sorted(group, key=_closeness)[:ATTEMPTS]
+    first, *others = sorted(group, key=_closeness)[:MAX_TRACING_ATTEMPTS]
     check = _trace(first)
     for finding in others:
         if check.decisive:

@@ -10,13 +10,13 @@ import numpy as np
 
 from compare.claims.evidence import ClaimVerdict, Finding, judged
 from compare.claims.quantities import distance, middle, number, regions, width
-from compare.claims.survey import ClaimRange, Named, some
+from compare.claims.survey import ClaimRange, NamedPlate, some
 from plate import EdgeLoad, MovingPlate
 
 # Stresses that differ by less than this part of the mean load (root mean square over the plate) are the same stress.
-SAME_STRESS = 0.01
+STRESS_TOLERANCE = 0.01
 # Widths that differ by less than this part look the same in a figure.
-ALMOST_THE_SAME = 0.02
+WIDTH_TOLERANCE = 0.02
 
 
 def stress_equals_linear_load(study: ClaimRange) -> ClaimVerdict:
@@ -30,13 +30,13 @@ def stress_equals_linear_load(study: ClaimRange) -> ClaimVerdict:
             Finding(
                 f"nu = {nu:g}: stresses",
                 number(f"mean error of the stresses, {name}", _stress_error(plate)),
-                number(f"{SAME_STRESS:.0%} of the mean load", SAME_STRESS),
+                number(f"{STRESS_TOLERANCE:.0%} of the mean load", STRESS_TOLERANCE),
             )
         )
         findings += _widths(
             f"nu = {nu:g}: widths of regions",
-            Named(f"{name}, stress equal to the load", replace(plate, inplane="membrane")),
-            Named(f"{name}, in-plane problem solved", plate),
+            NamedPlate(f"{name}, stress equal to the load", replace(plate, inplane="membrane")),
+            NamedPlate(f"{name}, in-plane problem solved", plate),
             study,
         )
     return judged(
@@ -45,7 +45,7 @@ def stress_equals_linear_load(study: ClaimRange) -> ClaimVerdict:
         "conclusion 2).",
         f"static in-plane problem; a/b = {some(study.aspect_ratios)}; nu = {some(study.poisson_ratios)}; "
         f"V = {study.plate.speed:g}; f0 = {study.plate.tension:g}; loads: {', '.join(loads)}; same within "
-        f"{SAME_STRESS:.0%} (stress, root mean square over the plate) and {ALMOST_THE_SAME:.0%} (widths)",
+        f"{STRESS_TOLERANCE:.0%} (stress, root mean square over the plate) and {WIDTH_TOLERANCE:.0%} (widths)",
         findings,
     )
 
@@ -61,15 +61,15 @@ def inertia_hardly_matters(study: ClaimRange) -> ClaimVerdict:
             for name, plate in _models(study, h):
                 findings += _widths(
                     f"h/b = {h:g}, against {without}",
-                    Named(f"{name}, {without}", replace(plate, inplane=model)),
-                    Named(f"{name}, h/b = {h:g}, with inertia", plate),
+                    NamedPlate(f"{name}, {without}", replace(plate, inplane=model)),
+                    NamedPlate(f"{name}, h/b = {h:g}, with inertia", plate),
                     study,
                 )
     return judged(
         "In-plane inertia hardly matters",
         "The sizes of unstable regions with and without in-plane inertia are almost the same for a thin plate "
         "(section IV on Fig. 3; conclusion 2).",
-        f"{_scope(study)}; the same within {ALMOST_THE_SAME:.0%}",
+        f"{_scope(study)}; the same within {WIDTH_TOLERANCE:.0%}",
         findings,
     )
 
@@ -106,16 +106,16 @@ def _scope(study: ClaimRange) -> str:
     )
 
 
-def _models(study: ClaimRange, h: float) -> Iterator[Named]:
+def _models(study: ClaimRange, h: float) -> Iterator[NamedPlate]:
     for r in study.aspect_ratios:
-        yield Named(f"a/b = {r:g}", replace(study.plate, aspect_ratio=r, thickness_ratio=h, inplane="dynamic"))
+        yield NamedPlate(f"a/b = {r:g}", replace(study.plate, aspect_ratio=r, thickness_ratio=h, inplane="dynamic"))
 
 
-def _widths(group: str, one: Named, other: Named, study: ClaimRange) -> list[Finding]:
+def _widths(group: str, one: NamedPlate, other: NamedPlate, study: ClaimRange) -> list[Finding]:
     """Return the findings that every region has the same width in both plates."""
     here, there = (regions(name, plate, study.eps, modes=study.modes) for name, plate in (one, other))
     return [
-        Finding(group, width(here[pair]), width(there[pair]), ALMOST_THE_SAME) for pair in there if there[pair].is_open
+        Finding(group, width(here[pair]), width(there[pair]), WIDTH_TOLERANCE) for pair in there if there[pair].is_open
     ]
 
 

@@ -14,9 +14,9 @@ from perturb import TransitionCurve, gyroscopic_modes, transition_curves
 from plate import MovingPlate
 
 # A width below this part of the frequency is no width: ten times what tracing resolves.
-CLOSED = 1e-8
+MIN_RELATIVE_WIDTH = 1e-8
 # Regions whose starting points lie this many times their half widths apart do not merge.
-APART = 2.0
+MIN_SEPARATION = 2.0
 
 
 class Measured(NamedTuple):
@@ -67,7 +67,7 @@ class Region:
     def is_open(self) -> bool:
         """Whether theory finds the region wide enough to be one."""
         lower, upper = self.predicted
-        return upper - lower > CLOSED * self.curve.centre
+        return upper - lower > MIN_RELATIVE_WIDTH * self.curve.centre
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +104,7 @@ def width(region: Region) -> Quantity:
     def measure() -> Measured:
         trace = region.trace
         if trace.kind[0] == Kind.STABLE:
-            return Measured(0.0, CLOSED * region.curve.centre)
+            return Measured(0.0, MIN_RELATIVE_WIDTH * region.curve.centre)
         return Measured(float(trace.upper[0] - trace.lower[0]), float(trace.lower_error[0] + trace.upper_error[0]))
 
     lower, upper = region.predicted
@@ -182,7 +182,9 @@ def _stands_alone(curve: TransitionCurve, others: Sequence[TransitionCurve], eps
 
     own = half_width(curve)
     return all(
-        abs(other.centre - curve.centre) > APART * (own + half_width(other)) for other in others if other is not curve
+        abs(other.centre - curve.centre) > MIN_SEPARATION * (own + half_width(other))
+        for other in others
+        if other is not curve
     )
 
 

@@ -13,10 +13,12 @@ from compare.claims.survey import ClaimRange, skew_loads, some, symmetric_loads
 from perturb import gyroscopic_modes
 from plate import MovingPlate
 
-NO_WIDTH = number("nothing", 0.0)
+NOTHING = number("nothing", 0.0)
+# Symmetric and antisymmetric functions are coupled by less than this part of the load: rounding.
+SYMMETRIC_LOAD_TOLERANCE = 1e-9
 # A region whose middle leaves its starting frequency by less than this part of the half width looks straight in a
 # figure.
-STRAIGHT = 0.01
+MAX_RELATIVE_BEND = 0.01
 
 
 def no_difference_regions(study: ClaimRange) -> ClaimVerdict:
@@ -25,7 +27,7 @@ def no_difference_regions(study: ClaimRange) -> ClaimVerdict:
 
     def of(group: str, name: str, plate: MovingPlate) -> list[Finding]:
         found = regions(name, plate, study.eps, modes=study.modes, type="difference")
-        return [Finding(group, width(region), NO_WIDTH) for region in found.values()]
+        return [Finding(group, width(region), NOTHING) for region in found.values()]
 
     findings = [
         finding
@@ -109,7 +111,7 @@ def boundaries_are_straight(study: ClaimRange) -> ClaimVerdict:
         for region in regions(name, plate, eps, modes=study.modes, order=2).values():
             if region.is_open:
                 shift = distance(middle(region), number("its start", region.curve.centre), f"bend of {region.name}")
-                allowed = part_of(width(region), STRAIGHT / 2, f"{STRAIGHT:.0%} of its half width")
+                allowed = part_of(width(region), MAX_RELATIVE_BEND / 2, f"{MAX_RELATIVE_BEND:.0%} of its half width")
                 findings.append(Finding(f"straight up to eps = {eps:g}", shift, allowed))
     return judged(
         "Boundaries are straight lines",
@@ -128,7 +130,7 @@ def nothing_elsewhere(study: ClaimRange) -> ClaimVerdict:
         where = f"c = {damping:g}, eps = {eps:g}"
         plate = replace(elastic, damping=damping)
         found = regions(f"{name}, c = {damping:g}", plate, eps, modes=study.modes, order=2, interaction=2)
-        findings += [Finding(where, width(region), NO_WIDTH) for region in found.values()]
+        findings += [Finding(where, width(region), NOTHING) for region in found.values()]
     return judged(
         "Nothing grows elsewhere",
         "With j Ω away from every ω_p ± ω_q the system is always stable (section III A, eq. (24)).",
@@ -142,7 +144,10 @@ def _symmetry(plate: MovingPlate) -> str:
     """Name what the paper's reason rests on: load and modes symmetric or antisymmetric about the mid-line."""
     system = plate.at(0.0)
     antisymmetric = np.arange(system.size) % plate.lateral_terms % 2 == 1  # odd polynomials across the plate
-    if np.abs(system.cosine[:, antisymmetric][:, :, ~antisymmetric]).max() > 1e-9 * np.abs(system.cosine).max():
+    if (
+        np.abs(system.cosine[:, antisymmetric][:, :, ~antisymmetric]).max()
+        > SYMMETRIC_LOAD_TOLERANCE * np.abs(system.cosine).max()
+    ):
         return "load not symmetric about the mid-line"
     w = gyroscopic_modes(system).vectors[:, :3]
     odd = np.linalg.norm(w[antisymmetric], axis=0) > np.linalg.norm(w[~antisymmetric], axis=0)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from plate import EdgeLoad, MovingPlate
 
 
-class Named(NamedTuple):
+class NamedPlate(NamedTuple):
     """A plate and how a table names it."""
 
     name: str
@@ -69,17 +69,17 @@ class ClaimRange:
             f"f0 = {some(self.tensions)}; nu = {self.plate.poisson_ratio:g}; modes 1 to {self.modes}"
         )
 
-    def survey(self, loads: dict[str, EdgeLoad]) -> Iterator[Named]:
+    def survey(self, loads: dict[str, EdgeLoad]) -> Iterator[NamedPlate]:
         """Yield a plate for every aspect ratio, load, tension and part of the divergence speed."""
         for r, (load_name, load), tension in product(self.aspect_ratios, loads.items(), self.tensions):
             still = replace(self.plate, aspect_ratio=r, load=load, tension=tension, speed=0.0)
             for plate in _moving(still, self.speed_fractions):
-                yield Named(f"a/b = {r:g}, {load_name}, V = {plate.speed:.3g}, f0 = {tension:g}", plate)
+                yield NamedPlate(f"a/b = {r:g}, {load_name}, V = {plate.speed:.3g}, f0 = {tension:g}", plate)
 
-    def base(self) -> Named:
+    def base(self) -> NamedPlate:
         """Return the plate as given."""
         plate = self.plate
-        return Named(f"a/b = {plate.aspect_ratio:g}, V = {plate.speed:g}, f0 = {plate.tension:g}", plate)
+        return NamedPlate(f"a/b = {plate.aspect_ratio:g}, V = {plate.speed:g}, f0 = {plate.tension:g}", plate)
 
 
 @lru_cache(maxsize=256)

@@ -8,11 +8,11 @@ from itertools import pairwise, product
 
 from compare.claims.evidence import ClaimVerdict, Finding, judged
 from compare.claims.quantities import Quantity, Region, distance, middle, regions, width
-from compare.claims.survey import ClaimRange, Named, middle_part, part_name, some
+from compare.claims.survey import ClaimRange, NamedPlate, middle_part, part_name, some
 from plate import MovingPlate
 
 # A region whose middle moves by less than this part of its frequency has stayed in place, to the eye.
-SAME_PLACE = 0.002
+POSITION_SHIFT_TOLERANCE = 0.002
 
 
 def narrower_load_shrinks(study: ClaimRange) -> ClaimVerdict:
@@ -60,7 +60,12 @@ def damping_shrinks(study: ClaimRange) -> ClaimVerdict:
                 findings.append(Finding(f"{_type(region)} regions shrink", width(damped[pair]), width(region)))
                 if damped[pair].is_open:
                     findings.append(
-                        Finding("regions stay in place", middle(damped[pair]), middle(region), tolerance=SAME_PLACE)
+                        Finding(
+                            "regions stay in place",
+                            middle(damped[pair]),
+                            middle(region),
+                            tolerance=POSITION_SHIFT_TOLERANCE,
+                        )
                     )
     return judged(
         "Damping shrinks the regions",
@@ -79,13 +84,13 @@ def _scope(study: ClaimRange) -> str:
     )
 
 
-def _plate(study: ClaimRange, r: float, speed: float, share: float) -> Named:
+def _plate(study: ClaimRange, r: float, speed: float, share: float) -> NamedPlate:
     """Return the plate of this aspect ratio and speed under a load on this part of the edge."""
     plate = replace(study.plate, aspect_ratio=r, speed=speed, load=middle_part(share))
-    return Named(f"a/b = {r:g}, V = {speed:g}, {part_name(share)}", plate)
+    return NamedPlate(f"a/b = {r:g}, V = {speed:g}, {part_name(share)}", plate)
 
 
-def _trend(plates: Sequence[Named], study: ClaimRange) -> list[Finding]:
+def _trend(plates: Sequence[NamedPlate], study: ClaimRange) -> list[Finding]:
     """Return the findings that each region is smaller and lower than in the plate before."""
     found = [regions(name, plate, study.eps, modes=study.modes) for name, plate in plates]
     findings = []
