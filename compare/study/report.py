@@ -10,9 +10,7 @@ from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
-from compare.claims import ClaimVerdict
-from compare.claims.evidence import Traced
-from compare.claims.quantities import Measured
+from compare.claims import ClaimVerdict, Measured, Traced
 from compare.study.limits import validity
 from compare.study.study import Study, SystemStudy
 
