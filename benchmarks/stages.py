@@ -8,13 +8,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from floquet.chart.chart import tasks
-from floquet.engine.column import chart_batch, log2_steps, multipliers, steps_needed
-from floquet.engine.coordinates import Subsystem, subsystems
-from floquet.engine.doubling.sampling import Sampler, Workspace
-from floquet.engine.doubling.schedule import TOLERANCE
-from floquet.engine.eigen.symplectic import reciprocal_pairs
-from floquet.running.threads import single_blas_thread
+from floquet.chart import task_columns
+from floquet.engine import (
+    INTERPOLATION_TOLERANCE,
+    ReciprocalSums,
+    Sampler,
+    Subsystem,
+    Workspace,
+    chart_batch,
+    log2_steps,
+    reciprocal_pairs,
+    spectra,
+    steps_needed,
+    subsystems,
+)
+from floquet.running import single_blas_thread
 from periodic import SystemFamily
 from periodic.checks import ComplexArray, FloatArray
 
@@ -49,15 +57,15 @@ def chart_multipliers(family: SystemFamily, Omega: float, eps: FloatArray) -> Co
     with single_blas_thread():
         for subsystem in subsystems(system):
             sampler, L = _sampler(subsystem, Omega, eps, steps, Workspace())
-            spectra = multipliers(sampler, eps, L, TOLERANCE)
-            mu = reciprocal_pairs(spectra.mu) if subsystem.symplectic else spectra.mu
-            found.append(mu * np.exp2(spectra.exponents)[:, None])
+            these = spectra(sampler, eps, L, INTERPOLATION_TOLERANCE)
+            mu = reciprocal_pairs(these.sums) if isinstance(these, ReciprocalSums) else these.mu
+            found.append(mu * np.exp2(these.exponents)[:, None])
     return np.concatenate(found, axis=1)
 
 
 def stages(family: SystemFamily, Omega: FloatArray, eps: FloatArray, every: int = 4, rounds: int = 3) -> Stages:
     """Time the stages of some tasks of a chart, one out of ``every`` so many; the least of some rounds each."""
-    some = [Omega[columns] for columns in tasks(len(Omega))[::every]]
+    some = [Omega[columns] for columns in task_columns(len(Omega))[::every]]
     blocks_of_columns = [([family.at(float(w)) for w in part], part) for part in some]
     Omega = np.concatenate(some)
     systems = [system for part, _ in blocks_of_columns for system in part]
@@ -68,18 +76,18 @@ def stages(family: SystemFamily, Omega: FloatArray, eps: FloatArray, every: int 
     ]
     operations = 0.0
     for sampler, L in samplers:
-        plan = sampler.plan(eps, L, TOLERANCE)
+        plan = sampler.plan(eps, L, INTERPOLATION_TOLERANCE)
         if plan is not None:
             operations += 2.0 * sampler.size**3 * float(plan.schedule.sizes[1:].sum())
 
     def sample() -> None:
         for sampler, L in samplers:
-            for _ in sampler.panels(eps, L, TOLERANCE):
+            for _ in sampler.pieces(eps, L, INTERPOLATION_TOLERANCE):
                 pass
 
     def solve() -> None:
         for sampler, L in samplers:
-            multipliers(sampler, eps, L, TOLERANCE)
+            spectra(sampler, eps, L, INTERPOLATION_TOLERANCE)
 
     def whole() -> None:
         for columns in blocks_of_columns:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from floquet.chart.audit import ChartAudit
+from floquet.chart import ChartAudit
 
 
 def audit_sentence(audit: ChartAudit | None) -> str:

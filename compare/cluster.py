@@ -10,7 +10,7 @@ from typing import Any
 
 from joblib import parallel_config
 
-from floquet.chart.checkpoint import code_version, processor
+from floquet.chart import code_version, processor
 
 # To reach the scheduler, and for a first worker to appear.
 SECONDS_TO_CONNECT, SECONDS_FOR_WORKERS = 5, 20

@@ -17,7 +17,7 @@ from tqdm import tqdm
 
 from floquet import BoundaryTrace, Kind, trace_boundary
 from floquet.boundary import NoResonanceError
-from floquet.running.parallel import gather
+from floquet.running import gather
 from periodic import PeriodicSystem, SystemFamily, member_at
 from periodic.checks import FloatArray, grid, interval, one_of, whole_number, workers
 from perturb import TransitionCurve, transition_curves

@@ -1,7 +1,7 @@
 """Stability from Floquet multipliers: one point, charts, and boundaries by root-finding."""
 
 from floquet.boundary import BoundaryTrace, trace_boundary
-from floquet.chart.chart import StabilityChart, stability_chart
+from floquet.chart import StabilityChart, stability_chart
 from floquet.kind import Kind
 from floquet.oracle import Monodromy, monodromy
 from floquet.regions.regions import Region, trace_regions

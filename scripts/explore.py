@@ -24,7 +24,7 @@ from compare.files.cases import STANDARD_REGIONS, Plate, load_case
 from compare.files.publish import staged
 from compare.study import own_system
 from compare.window import default_window
-from floquet.chart.checkpoint import TileStore
+from floquet.chart import TileStore
 from floquet_scripts import running
 from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import one_of

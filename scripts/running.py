@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from compare.cluster import workers_at
-from floquet.chart.checkpoint import TileStore
+from floquet.chart import TileStore
 
 UNFINISHED = ".unfinished"
 ALL_MODES = "integrate every mode of a large model, also those far above the window, which takes much longer"

@@ -13,7 +13,7 @@ from compare.files.cases import load_case, shipped_cases
 from compare.files.publish import staged
 from compare.study import CHART_POINTS, Study, Subject, own_system, run_study, system_subject, write_report
 from compare.window import MODES_SHOWN
-from floquet.chart.checkpoint import TileStore
+from floquet.chart import TileStore
 from floquet_scripts import running
 
 EPILOG = f"""\

@@ -32,7 +32,7 @@ from compare.claims.regions import (
 )
 from compare.claims.survey import QUICK_RANGE, ClaimRange
 from compare.claims.trends import damping_shrinks, longer_plate_shrinks, narrower_load_shrinks
-from floquet.running.parallel import gather
+from floquet.running import gather
 
 __all__ = ["CLAIMS", "QUICK_RANGE", "ClaimRange", "ClaimVerdict", "Measured", "Traced", "Verdict", "judge_claims"]
 

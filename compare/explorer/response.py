@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from tqdm import tqdm
 
 from floquet import Kind, StabilityChart, monodromy
-from floquet.running.parallel import gather
+from floquet.running import gather
 from periodic import SystemFamily
 from periodic.checks import ComplexArray, FloatArray
 

@@ -17,7 +17,7 @@ from compare.explorer.variation import SWEEPABLE, varied
 from compare.files.cases import Plate
 from compare.verdicts import traced_curve
 from floquet import Kind, monodromy
-from floquet.running.parallel import gather
+from floquet.running import gather
 from periodic.checks import FloatArray, grid, one_of, real_number, whole_number
 from perturb import TransitionCurve, gyroscopic_modes, transition_curves
 from plate import MovingPlate

@@ -15,9 +15,8 @@ from compare.files.cases import Case
 from compare.pictures import Figure, Layer, overlay, region_panels, variant_panels
 from compare.verdicts import DEFAULT_LADDER, RegionAgreement, agreement, traced_curve
 from floquet import BoundaryTrace, StabilityChart, stability_chart
-from floquet.chart.checkpoint import TileStore
-from floquet.running.parallel import gather
-from floquet.running.threads import single_blas_thread
+from floquet.chart import TileStore
+from floquet.running import gather, single_blas_thread
 from periodic import SystemFamily
 from periodic.checks import FloatArray
 from perturb import TransitionCurve, transition_curves

@@ -1,4 +1,4 @@
-"""A chart's own check: some of its cells, integrated again by `monodromy`, with which the chart shares no code."""
+"""A chart's check of itself: some of its cells are integrated again by `monodromy`, which shares no code with it."""
 
 from __future__ import annotations
 
@@ -12,9 +12,10 @@ from floquet.oracle import monodromy
 from periodic import PeriodicSystem
 from periodic.checks import FloatArray
 
-SEED = 20250101
-# An estimate is an order of magnitude. It holds if the difference is within this multiple, plus rounding of log|mu|.
-FACTOR, ROUNDING = 3.0, 1e-13
+AUDIT_SEED = 20250101  # of the random choice of cells
+# An estimate is an order of magnitude. It holds if the difference is at most this many times the estimate, not counting
+# the rounding of log|mu|.
+MAX_ERROR_RATIO, LOG_MODULUS_ROUNDING = 3.0, 1e-13
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +27,7 @@ class ChartAudit:
     cells : int ndarray, shape (a, 2)
         Indices (i, j) of the cells eps[i], Omega[j].
     differences : ndarray, shape (a,)
-        |log|mu| of the chart - log|mu| of `monodromy`|, dimensionless; NaN where `monodromy` refused (it says why).
+        |log|mu| of the chart - log|mu| of `monodromy`|, dimensionless; NaN where `monodromy` raises ValueError.
     estimates : ndarray, shape (a,)
         The sum of both estimated errors.
     contradictions : bool ndarray, shape (a,)
@@ -44,34 +45,38 @@ class ChartAudit:
 
     @property
     def largest_difference(self) -> float:
-        """Largest difference of log|mu|; NaN if no cell could be compared."""
+        """Largest difference of log|mu|; NaN if no cell was compared."""
         return float(np.nanmax(self.differences, initial=-np.inf)) if self.compared else float("nan")
 
     @property
     def largest_ratio(self) -> float:
-        """Largest difference in units of its estimate (rounding allowed for); NaN if no cell could be compared."""
-        return float(np.nanmax(self.differences / (self.estimates + ROUNDING))) if self.compared else float("nan")
+        """Largest ratio of difference to estimate, with rounding added to the estimate; NaN if no cell was compared."""
+        return (
+            float(np.nanmax(self.differences / (self.estimates + LOG_MODULUS_ROUNDING)))
+            if self.compared
+            else float("nan")
+        )
 
     @property
     def compared(self) -> int:
-        """Number of cells that both methods could integrate."""
+        """Number of cells that both methods have integrated."""
         return int(np.isfinite(self.differences).sum())
 
     @property
     def ok(self) -> bool:
-        """Whether no verdict is contradicted and every estimate holds within a factor of three."""
-        return not self.contradictions.any() and not self.largest_ratio > FACTOR
+        """Whether no verdict is contradicted, and no difference is more than three times its estimate."""
+        return not self.contradictions.any() and not self.largest_ratio > MAX_ERROR_RATIO
 
 
 def sample(error: FloatArray, size: int) -> NDArray[np.int64]:
-    """Return ``size`` cells of a chart at random, always the same ones, and the one with the largest error."""
-    drawn = np.random.default_rng(SEED).choice(error.size, min(size, error.size), replace=False)
+    """Return ``size`` random cells of a chart, the same ones at every call, and the one with the largest error."""
+    drawn = np.random.default_rng(AUDIT_SEED).choice(error.size, min(size, error.size), replace=False)
     chosen = np.union1d(drawn, [error.argmax()])
     return np.stack(np.unravel_index(chosen, error.shape), axis=1)
 
 
 def integrate_again(system: PeriodicSystem, Omega: float, eps: float) -> tuple[float, float, int]:
-    """Return log|mu| by `monodromy`, its estimated error and the verdict; NaN and undecided if `monodromy` refuses."""
+    """Return log|mu| by `monodromy`, its error and the verdict; NaN and undecided if `monodromy` raises ValueError."""
     try:
         found = monodromy(system, Omega, eps)
     except ValueError:

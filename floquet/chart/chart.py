@@ -16,18 +16,17 @@ from tqdm import tqdm
 
 from floquet.chart.audit import ChartAudit, integrate_again, sample
 from floquet.chart.checkpoint import TileStore
-from floquet.engine.column import Columns, chart_batch, steps_needed
+from floquet.engine import Tile, chart_batch, steps_needed
 from floquet.kind import Kind
-from floquet.running.files import replace_file
-from floquet.running.parallel import spread
+from floquet.running import as_completed, replace_file
 from periodic import SystemFamily, member_at
 from periodic.checks import ComplexArray, FloatArray, grid, one_of, whole_number, workers
 
-# Columns a task: enough to hide joblib's overhead, and, in charts of many, to share the measurement of the error among
-# more; few enough for so many tasks to balance the load.
-LEAST_COLUMNS, MOST_COLUMNS, TASKS = 8, 16, 16
-CELLS = ("growth_rate", "multiplier", "kind", "error")
-AUDIT = ("cells", "differences", "estimates", "contradictions")
+# Columns of a task: enough to hide joblib's overhead and to share the measurement of the error, and few enough for this
+# number of tasks, which balances the load.
+MIN_TASK_COLUMNS, MAX_TASK_COLUMNS, TASKS_PER_CHART = 8, 16, 16
+CELL_ARRAYS = Tile._fields
+AUDIT_ARRAYS = ("cells", "differences", "estimates", "contradictions")
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +43,7 @@ class StabilityChart:
         log|mu| / T with T = 2 pi / Omega, in the units of Omega.
     multiplier : complex ndarray, shape (k, m)
         The Floquet multiplier mu of largest modulus, imaginary part >= 0; infinite where it exceeds the largest float.
-        Where all multipliers are on the unit circle, one of them.
+        It is one of them where all multipliers are on the unit circle.
     kind : int8 ndarray, shape (k, m)
         Verdict, see `Kind`.
     error : ndarray, shape (k, m)
@@ -70,7 +69,7 @@ class StabilityChart:
         object.__setattr__(self, "Omega", grid("Omega", self.Omega, positive=True))
         object.__setattr__(self, "eps", grid("eps", self.eps))
         shape = (self.eps.size, self.Omega.size)
-        for name in CELLS:
+        for name in CELL_ARRAYS:
             array = np.asarray(getattr(self, name))
             if array.shape != shape:
                 raise ValueError(f"{name} has shape {array.shape}; give {shape}, as eps and Omega have")
@@ -88,9 +87,9 @@ class StabilityChart:
             If the file cannot be written.
         """
         target = _path(path)
-        arrays = {name: getattr(self, name) for name in ("Omega", "eps", *CELLS)}
+        arrays = {name: getattr(self, name) for name in ("Omega", "eps", *CELL_ARRAYS)}
         if self.audit is not None:
-            arrays |= {f"audit_{name}": getattr(self.audit, name) for name in AUDIT}
+            arrays |= {f"audit_{name}": getattr(self.audit, name) for name in AUDIT_ARRAYS}
         buffer = io.BytesIO()
         np.savez_compressed(buffer, **arrays)
         replace_file(target, buffer.getvalue())
@@ -109,8 +108,9 @@ class StabilityChart:
         source = _path(path)
         try:
             with source.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
-                audit = ChartAudit(*(arrays[f"audit_{name}"] for name in AUDIT)) if "audit_cells" in arrays else None
-                return cls(**{name: arrays[name] for name in ("Omega", "eps", *CELLS)}, audit=audit)
+                found = (arrays[f"audit_{name}"] for name in AUDIT_ARRAYS)
+                audit = ChartAudit(*found) if "audit_cells" in arrays else None
+                return cls(**{name: arrays[name] for name in ("Omega", "eps", *CELL_ARRAYS)}, audit=audit)
         except (KeyError, ValueError, TypeError, AttributeError, EOFError, zipfile.BadZipFile) as error:
             message = f"path = {str(path)!r} is not a saved chart ({error}); give a file that save wrote"
             raise ValueError(message) from None
@@ -128,7 +128,7 @@ class StabilityChart:
         except ImportError:
             message = "to_xarray needs the package xarray; install it with: pip install 'floquet-charts[xarray]'"
             raise ImportError(message) from None
-        cells = {name: (("eps", "Omega"), getattr(self, name)) for name in CELLS}
+        cells = {name: (("eps", "Omega"), getattr(self, name)) for name in CELL_ARRAYS}
         return xarray.Dataset(cells, coords={"Omega": self.Omega, "eps": self.eps})
 
 
@@ -147,7 +147,7 @@ def stability_chart(
     Parameters
     ----------
     family : SystemFamily
-        A `PeriodicSystem`, or anything whose ``at(Omega)`` returns one; only its excitation may depend on the
+        A `PeriodicSystem`, or anything whose ``at(Omega)`` returns one. Only the excitation may depend on the
         frequency.
     Omega : array_like, shape (m,)
         Excitation frequencies, positive and strictly increasing, in the units of the system.
@@ -159,12 +159,12 @@ def stability_chart(
     progress : bool or None
         Whether to show a progress bar; None shows it on a terminal only.
     audit : int
-        How many cells, drawn at random (always the same ones), to integrate again with `monodromy` for comparison,
-        besides the one with the largest error; 0 for none.
+        Number of random cells that `monodromy` integrates again for comparison, besides the cell with the largest
+        error; they are the same at every call. 0 for no audit.
     cache : path or TileStore, optional
-        A folder that keeps finished tiles of columns. A chart that was stopped, in whatever way, goes on where it was
-        when the same call names the same folder, and ends with the same bits; several processes may share a folder.
-        Nobody else clears it; `floquet.chart.checkpoint.TileStore` can.
+        A folder that keeps finished tiles of columns. If a chart was stopped, for whatever reason, the same call with
+        the same folder continues it and ends with the same bits. Several processes may share a folder. Its files stay
+        until somebody removes them; `TileStore.clear` does.
 
     Returns
     -------
@@ -173,14 +173,14 @@ def stability_chart(
     Raises
     ------
     ValueError
-        If an argument has the wrong type, shape, order or sign, or holds NaN or infinity; if a period has more steps
-        than can be taken; if ``cache`` cannot be written to.
+        If an argument has the wrong type, shape, order or sign, or holds NaN or infinity; if a period needs too many
+        steps; if ``cache`` cannot be written to.
 
     Notes
     -----
-    docs/engine.md explains the method. A worker needs about 0.2 GB at most besides its results, and all of them 0.2 GB
-    more for what they share, most charts a hundredth of that; the chart itself 33 bytes a cell. docs/scale.md says what
-    large charts cost.
+    docs/engine.md explains the method. Besides its results a worker needs at most about 0.2 GB, and all workers of a
+    process 0.2 GB more for the plans that they share; most charts need a hundredth of that. The chart itself takes 33
+    bytes a cell. docs/scale.md says what large charts cost.
     """
     Omega, eps = grid("Omega", Omega, positive=True), grid("eps", eps)
     member_at(family, float(Omega[0]), "family")
@@ -195,30 +195,37 @@ def stability_chart(
     def inputs(columns: slice) -> tuple[Any, ...]:
         return [family.at(float(w)) for w in Omega[columns]], Omega[columns], eps, steps
 
-    slices = tasks(Omega.size)
+    slices = task_columns(Omega.size)
     shape = (eps.size, Omega.size)
-    cells = Columns(np.empty(shape), np.empty(shape, np.complex128), np.empty(shape, np.int8), np.empty(shape))
+    cells = Tile(np.empty(shape), np.empty(shape, np.complex128), np.empty(shape, np.int8), np.empty(shape))
     with tqdm(total=Omega.size, unit="column", disable=None if progress is None else not progress) as bar:
         for columns, tile in _tiles(slices, inputs, store, n_jobs):
-            for name in Columns._fields:
+            for name in CELL_ARRAYS:
                 getattr(cells, name)[:, columns] = getattr(tile, name)
             bar.update(columns.stop - columns.start)
     chart = StabilityChart(Omega, eps, *cells)
     return chart if audit == 0 else replace(chart, audit=_audited(family, chart, audit, n_jobs))
 
 
-def tasks(columns: int) -> list[slice]:
-    """Return the columns of each task of a chart, whoever does them: the error of a column depends on its task."""
-    count = min(max(columns // TASKS, LEAST_COLUMNS), MOST_COLUMNS)
+def task_columns(columns: int) -> list[slice]:
+    """Return the columns of each task of a chart; they depend on nothing else, for the error of a column depends on
+    them.
+
+    Parameters
+    ----------
+    columns : int
+        Number of columns of the chart.
+    """
+    count = min(max(columns // TASKS_PER_CHART, MIN_TASK_COLUMNS), MAX_TASK_COLUMNS)
     return [slice(start, min(start + count, columns)) for start in range(0, columns, count)]
 
 
 def _tiles(
     slices: Sequence[slice], inputs: Callable[[slice], tuple[Any, ...]], store: TileStore | None, n_jobs: int | None
-) -> Iterator[tuple[slice, Columns]]:
-    """Yield each tile of columns, first those in ``store``, then the others as they are computed, and keep these.
+) -> Iterator[tuple[slice, Tile]]:
+    """Yield the columns and the content of each tile: first those in ``store``, then the others, which are stored.
 
-    The store is read and written here, by one process: workers on other machines need not see the folder.
+    The store is read and written here, by one process. Workers on other machines need no access to the folder.
     """
     missing, paths = [], {}
     for columns in slices:
@@ -230,17 +237,18 @@ def _tiles(
             missing.append(columns)
         else:
             yield columns, tile
-    for i, tile in spread(chart_batch, map(inputs, missing), n_jobs):
+    for i, tile in as_completed(chart_batch, map(inputs, missing), n_jobs):
         if store is not None:
             store.save(paths[missing[i].start], tile)
         yield missing[i], tile
 
 
 def _audited(family: SystemFamily, chart: StabilityChart, size: int, n_jobs: int | None) -> ChartAudit:
+    """Return the audit of a chart with ``size`` random cells."""
     cells = sample(chart.error, size)
     points = [(float(chart.Omega[j]), float(chart.eps[i])) for i, j in cells]
     tasks = ((family.at(w), w, e) for w, e in points)
-    again = np.array([found for _, found in sorted(spread(integrate_again, tasks, n_jobs))])
+    again = np.array([found for _, found in sorted(as_completed(integrate_again, tasks, n_jobs))])
     i, j = cells.T
     log_modulus = chart.growth_rate[i, j] * 2 * np.pi / chart.Omega[j]
     kinds, others = chart.kind[i, j], again[:, 2]

@@ -1,4 +1,4 @@
-"""Finished tiles of a chart on disk: a chart that was stopped goes on where it was, and ends with the same bits."""
+"""Finished tiles of a chart on disk: a chart that was stopped can be continued, and ends with the same bits."""
 
 from __future__ import annotations
 
@@ -18,9 +18,8 @@ import numba
 import numpy as np
 import scipy
 
-from floquet.engine.column import Columns
-from floquet.running.files import replace_file
-from floquet.running.source import source_hash
+from floquet.engine import Tile
+from floquet.running import replace_file, source_hash
 from periodic import PeriodicSystem
 from periodic.checks import FloatArray
 
@@ -30,18 +29,18 @@ DIGEST_BYTES = 32
 class TileStore:
     """A folder of finished tiles of columns, one file each, which several processes may share.
 
-    A file's name is the hash of all that its content depends on: matrices, frequencies, amplitudes, steps, this
-    package's code, the libraries and the kind of processor. It appears complete or not at all, and carries the hash of
-    its content: what a power cut or a bad disk damaged counts as not there.
+    A file's name is the hash of everything that its content depends on: matrices, frequencies, amplitudes, steps, the
+    code, the libraries and the kind of processor. A file is complete or not there, and it holds the hash of its
+    content: a damaged file counts as not there.
 
-    It remembers which tiles it has read or written, so that `clear` removes these and nobody else's.
+    The store remembers which tiles it has read or written. `clear` removes these and no others.
 
     Parameters
     ----------
     folder : str or path-like
         Made if it does not exist.
     fresh : bool
-        Take no tile that was there before; keep new ones all the same.
+        Use no tile that was there before; new ones are kept as usual.
 
     Raises
     ------
@@ -61,18 +60,18 @@ class TileStore:
             raise ValueError(self._refusal(error)) from None
 
     def path(self, systems: Sequence[PeriodicSystem], Omega: FloatArray, eps: FloatArray, steps: float) -> Path:
-        """Return where the tile with these inputs of `floquet.engine.column.chart_batch` is kept."""
+        """Return where the tile with these inputs of `floquet.engine.chart_batch` is kept."""
         digest = hashlib.sha256(code_version() + processor().encode())
         for array in (Omega, eps, np.array(steps)):
             _add(digest, array)
-        for system, same in groupby(systems):  # most families have one and the same for all columns
+        for system, same in groupby(systems):  # most families have one system for all columns
             _add(digest, np.array(len(list(same))))
             for array in vars(system).values():
                 _add(digest, array)
         return self.folder / f"{digest.hexdigest()}.tile"
 
-    def load(self, path: Path) -> Columns | None:
-        """Return the tile in ``path``; None if there is none, it is damaged, or the store is to be fresh."""
+    def load(self, path: Path) -> Tile | None:
+        """Return the tile in ``path``; None if there is none, if it is damaged, or if the store is to be fresh."""
         if self.fresh and path not in self._used:
             return None
         try:
@@ -84,10 +83,10 @@ class TileStore:
             return None
         self._used.add(path)
         with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
-            return Columns(*(arrays[name] for name in Columns._fields))
+            return Tile(*(arrays[name] for name in Tile._fields))
 
-    def save(self, path: Path, tile: Columns) -> None:
-        """Write a tile, in one step as others see it, even if the power fails.
+    def save(self, path: Path, tile: Tile) -> None:
+        """Write a tile in one step: it is complete or not there, even if the power fails.
 
         Raises
         ------
@@ -110,7 +109,7 @@ class TileStore:
         return bool(self._used)
 
     def clear(self) -> None:
-        """Remove the tiles that were read or written here, and the folder if nothing else is in it."""
+        """Remove the tiles that were read or written here, and the folder if it is empty then."""
         for path in self._used:
             path.unlink(missing_ok=True)
         self._used.clear()

@@ -1,4 +1,4 @@
-"""From a `PeriodicSystem` to first-order equations in coordinates in which its free motion is nearly a rotation."""
+"""From a `PeriodicSystem` to first-order equations, in coordinates in which the free motion is nearly a rotation."""
 
 from __future__ import annotations
 
@@ -14,9 +14,12 @@ from floquet.engine.decoupling import invariant_subspaces
 from periodic import PeriodicSystem
 from periodic.checks import FloatArray
 
-# Asymmetry of a matrix, and damping of a subsystem, below this part of the largest entry come from assembling the
-# matrices.
-ROUNDING = 1e-13
+# Asymmetry of a matrix, and damping of a subsystem, that counts as rounding from assembling the matrices: as a part of
+# the largest entry.
+ASSEMBLY_ROUNDING = 1e-13
+
+# Cycles of the excitation in one of the least frequency, which serves as a scale where there is little stiffness.
+CYCLES_PER_LEAST_CYCLE = 50
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +29,7 @@ class Subsystem:
     Attributes
     ----------
     basis : ndarray, shape (n, b)
-        W = basis r; orthonormal with respect to the mass, and such that the symmetric part of ``K`` is diagonal.
+        W = basis r. The basis is orthonormal with respect to the mass, and the symmetric part of ``K`` is diagonal.
     G, C, K : ndarray, shape (b, b)
     Fc, Fs : ndarray, shape (J, b, b)
     rate : float
@@ -34,9 +37,9 @@ class Subsystem:
     modulation : float
         Bound on the norm of F(t).
     symplectic : bool
-        No damping, all stiffness symmetric: the subsystem is a Hamiltonian system.
+        Without damping and with symmetric stiffness: the subsystem is a Hamiltonian system.
     reversible : bool
-        No terms in r', excitation even in time; then with mu also 1/mu is a multiplier.
+        Without terms in r' and with excitation even in time: with mu also 1/mu is a multiplier.
     """
 
     basis: FloatArray
@@ -81,15 +84,15 @@ def subsystems(system: PeriodicSystem) -> tuple[Subsystem, ...]:
 def _subsystem(system: PeriodicSystem, matrices: FloatArray, V: FloatArray) -> Subsystem:
     K = V.T @ system.stiffness @ V
     V = V @ sla.eigh(K + K.T)[1]
-    # once more, now that V is nearly orthonormal: an ill-conditioned mass matrix costs digits the first time
+    # once more, now that V is nearly orthonormal: the first time an ill-conditioned mass matrix costs digits
     V = V @ sla.solve_triangular(np.linalg.cholesky(V.T @ system.mass @ V), np.eye(V.shape[1]), lower=True).T
     G, C, K, *F = V.T @ matrices @ V
     G, C = (G - G.T) / 2, (C + C.T) / 2
-    symmetric = all(np.abs(S - S.T).max() <= ROUNDING * np.abs(S).max() for S in matrices[2:])
+    symmetric = all(np.abs(S - S.T).max() <= ASSEMBLY_ROUNDING * np.abs(S).max() for S in matrices[2:])
     if symmetric:
         K, F = (K + K.T) / 2, [(S + S.T) / 2 for S in F]
     Fc, Fs = np.array(F[: system.harmonics]), np.array(F[system.harmonics :])
-    damped = np.abs(C).max() > ROUNDING * np.linalg.norm(system.damping, 2)
+    damped = np.abs(C).max() > ASSEMBLY_ROUNDING * np.linalg.norm(system.damping, 2)
     free = np.block([[np.zeros_like(K), np.eye(len(K))], [-K, -G - C]])
     return Subsystem(
         V,
@@ -106,23 +109,23 @@ def _subsystem(system: PeriodicSystem, matrices: FloatArray, V: FloatArray) -> S
 
 
 def least_frequency(Omega: float) -> float:
-    """Return a frequency well below Omega that serves as a scale where there is no stiffness; few different ones."""
-    return 2.0 ** math.floor(math.log2(Omega / 50))
+    """Return the power of two that serves as the least frequency of a coordinate in columns near ``Omega``."""
+    return 2.0 ** math.floor(math.log2(Omega / CYCLES_PER_LEAST_CYCLE))
 
 
 @lru_cache(maxsize=64)
 def equations(subsystem: Subsystem, least: float) -> Equations:
     """Return the first-order equations of ``subsystem``.
 
-    With w the square roots of the (moduli of the) stiffnesses, but at least ``least``: energy coordinates
-    y = (w r, r'), in which the free conservative motion is a rotation and damping only shrinks |y|; for a symplectic
-    subsystem the canonical ones, y = (w^1/2 r, w^-1/2 (r' + G r / 2)), the same but for scaling and the gyroscopic
-    term.
+    The frequencies w are the square roots of the moduli of the stiffnesses, but at least ``least``. In the energy
+    coordinates y = (w r, r') the free conservative motion is a rotation, and damping only shrinks |y|. A symplectic
+    subsystem has the canonical coordinates y = (w^1/2 r, w^-1/2 (r' + G r / 2)), which differ by the scaling and the
+    gyroscopic term.
     """
     b = len(subsystem.K)
     w = np.maximum(np.sqrt(np.abs(np.diag(subsystem.K))), least)
-    root = np.sqrt(w)
-    scaled = np.concatenate([subsystem.Fc, subsystem.Fs]) / np.outer(root, root)
+    sqrt_w = np.sqrt(w)
+    scaled = np.concatenate([subsystem.Fc, subsystem.Fs]) / np.outer(sqrt_w, sqrt_w)
     cosine, sine = np.linalg.norm(scaled, 2, axis=(1, 2)).reshape(2, -1)
     strength = tuple((np.hypot(cosine, sine) / 2).tolist())
     if not subsystem.symplectic:
@@ -132,8 +135,8 @@ def equations(subsystem: Subsystem, least: float) -> Equations:
     stiffness = subsystem.K - half @ half
     A = np.block(
         [
-            [-root[:, None] * half / root, np.diag(w)],
-            [-stiffness / np.outer(root, root), -half / root[:, None] * root],
+            [-sqrt_w[:, None] * half / sqrt_w, np.diag(w)],
+            [-stiffness / np.outer(sqrt_w, sqrt_w), -half / sqrt_w[:, None] * sqrt_w],
         ]
     )
-    return Equations(A, 1 / root, 1 / root, strength)
+    return Equations(A, 1 / sqrt_w, 1 / sqrt_w, strength)

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquet.engine.coordinates import Subsystem
+from floquet.engine import Subsystem
 from floquet.regions.exponents import Exponents, distance, follow, test_function
 from floquet.regions.scan import OTHER_PARTS, Modes, Scan
 from floquet.regions.widths import Candidate, Home

@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from floquet.engine.verdict import exponent
+from floquet.engine import ReciprocalSums, Spectra, exponent
 from periodic.checks import ComplexArray, FloatArray
 
 # Multipliers of a conservative system this far from the unit circle, in log|mu|, have left it.
@@ -52,6 +52,13 @@ def modes_symplectic(s: ComplexArray, exponents: FloatArray) -> Exponents:
             else:
                 modulus[c, i] = np.copysign(u, s[c, i].imag)
     return Exponents(angle, modulus, split)
+
+
+def modes_of(found: Spectra) -> Exponents:
+    """Return the exponents of the modes of a subsystem from all of its multipliers."""
+    if isinstance(found, ReciprocalSums):
+        return modes_symplectic(found.sums, found.exponents)
+    return modes(found.mu, found.exponents)
 
 
 @njit(cache=True, nogil=True)

@@ -8,22 +8,30 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquet.engine.column import LEAST_STEPS, SAFETY, log2_steps, multipliers, steps_needed
-from floquet.engine.coordinates import Subsystem, subsystems
-from floquet.engine.doubling.sampling import Sampler, Workspace
-from floquet.engine.verdict import dominant, dominant_symplectic, judge
+from floquet.engine import (
+    ERROR_SAFETY,
+    MIN_STEPS_PER_CYCLE,
+    Sampler,
+    Subsystem,
+    Workspace,
+    dominant,
+    judge,
+    log2_steps,
+    spectra,
+    steps_needed,
+    subsystems,
+)
 from floquet.kind import Kind
-from floquet.regions.exponents import ROUNDING, Exponents, edge, leading, modes_symplectic
-from floquet.regions.exponents import modes as modes_general
+from floquet.regions.exponents import ROUNDING, Exponents, edge, leading, modes_of
 from floquet.regions.outlines import Column, Interval
 from floquet.regions.refinement import Slabs
-from floquet.running.parallel import spread
+from floquet.running import as_completed
 from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import FloatArray
 
 # Amplitudes in the window; an end of an interval is interpolated between two of them.
 AMPLITUDES = 80
-# Error of the multipliers, as `floquet.engine.column` has it, and the steps that it takes as a part of those that
+# Error of the multipliers, as `floquet.engine.stability` has it, and the steps that it takes as a part of those that
 # `steps_needed` finds for an error of 1e-10: of fourth order. What is wide enough for a scan is far more unstable.
 ERROR = 1e-7
 FEWER = 0.25
@@ -61,7 +69,7 @@ class Scan:
         self.family, self.window, self.eps = family, Omega_range, eps
         few = np.array([Omega_range[0], sum(Omega_range) / 2, Omega_range[1]])
         systems = [family.at(float(w)) for w in few]
-        self.steps = max(FEWER * steps_needed(systems, few, eps), LEAST_STEPS)
+        self.steps = max(FEWER * steps_needed(systems, few, eps), MIN_STEPS_PER_CYCLE)
         self.sizes = [len(subsystem.K) for subsystem in subsystems(systems[0])]
         self.n_jobs = n_jobs
         self.columns: dict[float, Column] = {}
@@ -89,7 +97,7 @@ class Scan:
             )
             for batch in batches
         )
-        for i, found in spread(_intervals, tasks, self.n_jobs):
+        for i, found in as_completed(_intervals, tasks, self.n_jobs):
             for w, parts in zip(batches[i], found, strict=True):
                 self.modes[w] = {number: part[1] for number, part in enumerate(parts) if part is not None}
                 self.quiet[w] = frozenset(n for n, part in enumerate(parts) if part is None or not part[0])
@@ -171,13 +179,10 @@ def _of_subsystem(
     The steps are short enough for it to be below ERROR; every region is verified by `floquet.monodromy` in the end.
     """
     sampler = Sampler.of(subsystem, Omega, work)
-    mu, exponents, losses, norms = multipliers(sampler, eps, log2_steps(subsystem, Omega, eps, steps), ERROR)
+    found = spectra(sampler, eps, log2_steps(subsystem, Omega, eps, steps), ERROR)
     conservative = subsystem.reciprocal
-    if subsystem.symplectic:
-        found, modes = dominant_symplectic(mu, exponents, norms), modes_symplectic(mu, exponents)
-    else:
-        found, modes = dominant(mu, exponents, norms, subsystem.reversible), modes_general(mu, exponents)
-    kind = judge(found, SAFETY * ERROR * losses, conservative).kind
+    modes = modes_of(found)
+    kind = judge(dominant(found, subsystem.reversible), ERROR_SAFETY * ERROR * found.losses, conservative).kind
     unstable = kind > Kind.STABLE
     if conservative:  # next to an edge it is too weak to be judged, but seen
         unstable = _with_neighbours(unstable, (np.abs(modes.modulus) + modes.split).max(axis=1) > ROUNDING)

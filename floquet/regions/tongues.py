@@ -15,15 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquet.boundary import Resonance
-from floquet.engine.column import log2_steps, multipliers
-from floquet.engine.coordinates import subsystems
-from floquet.engine.doubling.sampling import Sampler, Workspace
+from floquet.engine import Sampler, Workspace, log2_steps, spectra, subsystems
 from floquet.regions.centrelines import middles, root
 from floquet.regions.detuning import BALANCED, Nodes, home_of, scan_nodes
-from floquet.regions.exponents import modes, modes_symplectic
+from floquet.regions.exponents import modes_of
 from floquet.regions.scan import Modes, Scan
 from floquet.regions.widths import Candidate
-from floquet.running.parallel import spread
+from floquet.running import as_completed
 from periodic import SystemFamily
 from periodic.checks import FloatArray
 
@@ -95,7 +93,7 @@ def trace_tongues(
     pairs = list(zip(candidates, scan_nodes(candidates, scan), strict=True))
     batches = [pairs[i : i + A_TASK] for i in range(0, len(pairs), A_TASK)]
     tasks = ((family, batch, (scan.window, eps_range), scan.eps, widest, scan.steps) for batch in batches)
-    found = dict(spread(_tongues, tasks, n_jobs))
+    found = dict(as_completed(_tongues, tasks, n_jobs))
     return [tongue for i in range(len(batches)) for tongue in found[i]]
 
 
@@ -237,9 +235,8 @@ class _Follower:
         sampler = Sampler.of(subsystem, Omega, self.work)
         # fourth order; where steps are symplectic they only shift the region, by a small part of its width
         finer = 1.0 if subsystem.symplectic else (COARSEST / error) ** 0.25
-        spectra = multipliers(sampler, eps, log2_steps(subsystem, Omega, self.eps, self.steps * finer), error)
-        found = (modes_symplectic if subsystem.symplectic else modes)(spectra.mu, spectra.exponents)
-        return Modes(subsystem, found), spectra.losses
+        found = spectra(sampler, eps, log2_steps(subsystem, Omega, self.eps, self.steps * finer), error)
+        return Modes(subsystem, modes_of(found)), found.losses
 
     def _is_sure(self, Omega: float, level: float) -> bool:
         """Return whether a column of one point is unstable there by far more than its error."""

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 from floquet.boundary import MIN_RELATIVE_FREQUENCY, Modes, Resonance
-from floquet.engine.coordinates import Subsystem, equations, least_frequency, subsystems
+from floquet.engine import Subsystem, equations, least_frequency, subsystems
 from periodic import PeriodicSystem
 from periodic.checks import ComplexArray, FloatArray
 

@@ -1,4 +1,4 @@
-"""Files that appear complete or not at all."""
+"""Files that are complete or not there."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 
 def replace_file(path: Path, content: bytes) -> None:
-    """Write ``content`` to ``path`` in one step as others see it, even if the power fails.
+    """Write ``content`` to ``path`` in one step: others see the old file or the new one, even if the power fails.
 
     Raises
     ------

@@ -1,7 +1,7 @@
-"""The state of the code, as one hash: what was computed or compiled by other code is not taken for this one's.
+"""The state of the code as one hash, so that results and kernels of other code are not mistaken for those of this code.
 
-Run as a script it prints the hash. It needs nothing but the standard library, so that the Makefile and the tests can
-ask before Numba is there.
+Run as a script, this file prints the hash. It needs the standard library only: the Makefile and the tests run it before
+Numba is imported.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 from pathlib import Path
 
-# What charts are computed by: the folders whose edits make kept charts and compiled kernels stale.
+# Packages that charts are computed with: an edit in one of them makes kept charts and compiled kernels stale.
 PACKAGES = ("floquet", "periodic")
 
 

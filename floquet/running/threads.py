@@ -17,9 +17,9 @@ _limits: list[Any] = []
 
 @contextmanager
 def single_blas_thread() -> Iterator[None]:
-    """Hold BLAS to one thread: the cores belong to the workers, and rounding must not depend on the number of threads.
+    """Hold BLAS to one thread: workers use the cores, and rounding must not depend on the number of threads.
 
-    The limit holds for the whole process, so the first worker sets it and the last one lifts it.
+    The limit holds for the whole process. The first worker sets it, and the last one lifts it.
     """
     with _lock:
         if not _users:
@@ -39,14 +39,14 @@ def single_blas_thread() -> Iterator[None]:
 
 @cache
 def _controller() -> threadpoolctl.ThreadpoolController:
-    """Return the BLAS libraries of this process; looking for them takes as long as a column of a chart."""
+    """Return the control of the BLAS libraries of this process; to find them takes as long as a column of a chart."""
     return threadpoolctl.ThreadpoolController()
 
 
 def _free_control() -> None:
-    """Let the next thread that asks for it change the number of threads.
+    """Let any thread change the number of BLAS threads.
 
-    Since 3.8 threadpoolctl leaves that to the thread that did so first, and ignores all others without a word.
+    Since version 3.8, threadpoolctl obeys only the first thread that did so, and silently ignores all others.
     """
     clear = getattr(threadpoolctl.OpenBLASController, "clear_controlling_thread", None)
     if clear is not None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from compare.audit import audit_sentence
-from floquet.chart.audit import ChartAudit
+from floquet.chart import ChartAudit
 
 CELLS = np.array([[0, 0], [1, 2]])
 NONE = [False, False]

@@ -221,7 +221,7 @@ def test_a_cluster_that_loses_a_worker_gives_the_same_chart(
 ) -> None:
     from distributed import Client
 
-    from floquet.chart.checkpoint import TileStore
+    from floquet.chart import TileStore
 
     with Client(scheduler, set_as_default=False) as client:
         victim = min(client.run(os.getpid).values())
@@ -279,7 +279,7 @@ def test_a_scheduler_that_is_lost_on_the_way_is_one_sentence_and_keeps_what_is_d
     home: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     distributed = pytest.importorskip("distributed")
-    from floquet.chart.checkpoint import TileStore
+    from floquet.chart import TileStore
 
     options: dict[str, Any] = {"n_workers": 1, "threads_per_worker": 2, "dashboard_address": None}
     cluster = distributed.LocalCluster(protocol="tcp://", host="127.0.0.1", processes=False, **options)

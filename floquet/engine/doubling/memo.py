@@ -1,4 +1,4 @@
-"""Results kept for the next call with the same arguments, as long as they do not take too much memory."""
+"""Memoisation with a bound on the memory that results take."""
 
 from __future__ import annotations
 
@@ -11,12 +11,14 @@ import numpy as np
 
 Result = TypeVar("Result")
 
-MOST_BYTES = 2**27  # of all results of a function; then it starts again with none
+MAX_MEMO_BYTES = 2**27  # of all results of one function; beyond that they are forgotten
+OBJECT_BYTES = 128  # about what a Python object takes besides its data
 
 
-def kept(function: Callable[..., Result]) -> Callable[..., Result]:
-    """Return ``function`` with its results kept; `functools.lru_cache` would count them, whatever their size.
+def memoized(function: Callable[..., Result]) -> Callable[..., Result]:
+    """Return ``function`` with its results kept for the next call with the same arguments.
 
+    `functools.lru_cache` bounds the number of results, this bounds their size: at most `MAX_MEMO_BYTES` together.
     Arguments are positional and hashable; results are None, arrays, or tuples of these.
     """
     results: dict[tuple[Hashable, ...], Result] = {}
@@ -31,7 +33,7 @@ def kept(function: Callable[..., Result]) -> Callable[..., Result]:
             result = function(*arguments)
         with lock:
             size += _bytes(result)
-            if size > MOST_BYTES:
+            if size > MAX_MEMO_BYTES:
                 results.clear()
                 size = _bytes(result)
             results[arguments] = result
@@ -41,7 +43,7 @@ def kept(function: Callable[..., Result]) -> Callable[..., Result]:
 
 
 def _bytes(result: Any) -> int:
-    """Return the memory that a result takes, a little for anything but an array."""
+    """Return about how much memory a result takes."""
     if isinstance(result, tuple):
         return sum(_bytes(part) for part in result)
-    return int(result.nbytes) + 128 if isinstance(result, np.ndarray) else 128
+    return int(result.nbytes) + OBJECT_BYTES if isinstance(result, np.ndarray) else OBJECT_BYTES

@@ -1,5 +1,7 @@
-"""Monodromy matrices of one subsystem for a range of amplitudes: as samples to interpolate between, in as many panels
-as it takes."""
+"""Monodromy matrices of one subsystem for a range of amplitudes, as samples to interpolate between.
+
+Where one set of samples is not enough for the whole range, the range is cut into pieces.
+"""
 
 from __future__ import annotations
 
@@ -13,27 +15,35 @@ from numba import njit
 from floquet.engine.coordinates import Equations, Subsystem, equations, least_frequency
 from floquet.engine.doubling.doubling import Scale, cancellation, doublings, rescale, unit_scale
 from floquet.engine.doubling.interpolation import chebyshev_points, chebyshev_weights, degree, trigonometric_weights
-from floquet.engine.doubling.memo import kept
-from floquet.engine.doubling.schedule import MOST_GROWTH, TOLERANCE, Schedule, growth, phase_count, quantised, schedule
+from floquet.engine.doubling.memo import memoized
+from floquet.engine.doubling.schedule import (
+    INTERPOLATION_TOLERANCE,
+    MAX_PHASE_GROWTH,
+    Schedule,
+    growth_bounds,
+    phase_count,
+    quantised,
+    schedule,
+)
 from floquet.engine.doubling.step import single_steps
-from floquet.engine.eigen.lanes import WIDTH, fma, load, pick_le, root, spread, store
+from floquet.engine.eigen import LANE_COUNT, broadcast, fma, load, pick_le, square_root, store
 from periodic.checks import FloatArray
 
-MOST_ENTRIES = 2**23  # of one array of samples (64 MB); two such arrays are in use at a time
-MOST_MATRICES = 2**14  # of one array, since others are interpolated between them, with a weight for each
-# Samples to be interpolated between may differ in size by this much; the smallest lose as many digits to rounding.
-MOST_CONTRAST = 30.0
-# Logarithm of the growth that the factors of one product may differ by; the small ones must not underflow.
-MOST_FACTOR = 100.0
-FEW = 8  # amplitudes that are integrated one by one: interpolation would take as many
-FACTORS = 64  # of a long product that are multiplied pairwise, the others one after the other
+MAX_SAMPLE_ENTRIES = 2**23  # of one array of samples (64 MB); two such arrays are in use at a time
+MAX_SAMPLE_MATRICES = 2**14  # of one array; others are interpolated between them, with a weight for each
+# Ratio of the largest to the smallest sample of a piece: the smallest loses as many digits to rounding.
+MAX_SAMPLE_CONTRAST = 30.0
+# Logarithm of the growth by which the factors of one product may differ; the smallest must not underflow.
+MAX_FACTOR_GROWTH = 100.0
+MAX_DIRECT_AMPLITUDES = 8  # that are integrated themselves; interpolation would take as many samples
+PAIRWISE_FACTORS = 64  # of a long product that are multiplied pairwise; the rest is multiplied one after the other
 
 
-class Panel(NamedTuple):
+class Piece(NamedTuple):
     """Monodromy matrices at the amplitudes eps[cells]: combinations of ``samples`` (m, N, N) at the given scale.
 
     ``weights`` (groups, m, 16) are those of sixteen cells at a time; the last cell is repeated to fill the last group.
-    ``norms`` (k,) are those of the matrices, 1 for a rotation.
+    ``norms`` (k,) are the Frobenius norms of the matrices divided by sqrt(N), which makes 1 of a rotation.
     """
 
     cells: slice
@@ -50,7 +60,7 @@ class Workspace:
         self._buffers = [np.empty(0), np.empty(0)]
 
     def arrays(self, size: int) -> tuple[FloatArray, FloatArray]:
-        """Return two arrays with at least ``size`` entries, contents void."""
+        """Return two arrays with at least ``size`` entries, of any content."""
         if self._buffers[0].size < size:
             self._buffers = [np.empty(size), np.empty(size)]
         return self._buffers[0], self._buffers[1]
@@ -69,17 +79,19 @@ class Sampler:
         """Return the sampler of a subsystem in the coordinates that suit ``Omega``."""
         return cls(subsystem, equations(subsystem, least_frequency(Omega)), Omega, work)
 
-    def panels(self, eps: FloatArray, L: int, tolerance: float) -> Iterator[Panel]:
-        """Yield panels that together cover ``eps``, from 2^L steps a period; each is void once the next is asked
-        for."""
+    def pieces(self, eps: FloatArray, L: int, tolerance: float) -> Iterator[Piece]:
+        """Yield pieces that together cover ``eps``, from 2^L steps a period.
+
+        The arrays of a piece are overwritten when the next piece is asked for.
+        """
         stack = [slice(0, len(eps))]
         while stack:
             cells = stack.pop()
             count = cells.stop - cells.start
-            sample = self._interpolated if count > FEW else self._direct
-            panel = sample(eps[cells], L, tolerance)
-            if panel is not None:
-                yield panel._replace(cells=cells)
+            sample = self._interpolated if count > MAX_DIRECT_AMPLITUDES else self._direct
+            piece = sample(eps[cells], L, tolerance)
+            if piece is not None:
+                yield piece._replace(cells=cells)
             else:
                 middle = cells.start + count // 2
                 stack += [slice(middle, cells.stop), slice(cells.start, middle)]
@@ -87,13 +99,23 @@ class Sampler:
     def matrices(self, eps: FloatArray, L: int, tolerance: float) -> FloatArray:
         """Return the monodromy matrices at a few amplitudes, (k, N, N), whose growth is within the range of floats."""
         found = []
-        for panel in self.panels(eps, L, tolerance):
-            weights = panel.weights.transpose(0, 2, 1).reshape(-1, len(panel.samples))[: panel.norms.size]
-            found.append(np.tensordot(weights, panel.samples, 1) * np.exp2(panel.scale.exponents)[:, None, None])
+        for piece in self.pieces(eps, L, tolerance):
+            weights = piece.weights.transpose(0, 2, 1).reshape(-1, len(piece.samples))[: piece.norms.size]
+            found.append(np.tensordot(weights, piece.samples, 1) * np.exp2(piece.scale.exponents)[:, None, None])
         return np.concatenate(found)
 
-    def _interpolated(self, eps: FloatArray, L: int, tolerance: float) -> Panel | None:
-        """Return a panel with samples at Chebyshev points; None if they would be too many, or are too unequal."""
+    def plan(self, eps: FloatArray, L: int, tolerance: float) -> Interpolation | None:
+        """Return how the monodromy matrices at ``eps`` are interpolated, from 2^L steps a period.
+
+        None if that takes too many samples.
+        """
+        rate = sum(self.equations.strength) * self.period
+        x = growth_bounds(self.equations.strength, self.period * largest_amplitude(eps))
+        across = quantised(rate * (float(eps[-1]) - float(eps[0])) / 2)
+        return _interpolation(x, across, eps.tobytes(), L, tolerance, MAX_SAMPLE_ENTRIES // self.size**2)
+
+    def _interpolated(self, eps: FloatArray, L: int, tolerance: float) -> Piece | None:
+        """Return a piece with samples at Chebyshev points; None if they would be too many, or are too unequal."""
         plan = self.plan(eps, L, tolerance)
         if plan is None:
             return None
@@ -103,21 +125,15 @@ class Sampler:
         if not alike:
             return None
         scale = Scale(*(part.repeat(len(eps)) for part in scale))
-        return Panel(slice(0), samples, plan.weights, scale, norms[: len(eps)])
+        return Piece(slice(0), samples, plan.weights, scale, norms[: len(eps)])
 
-    def plan(self, eps: FloatArray, L: int, tolerance: float) -> Interpolation | None:
-        """Return how the monodromy matrices at ``eps`` are interpolated, from 2^L steps a period; None if that takes
-        too many samples."""
-        rate = sum(self.equations.strength) * self.period
-        x = growth(self.equations.strength, self.period * largest_amplitude(eps))
-        across = quantised(rate * (float(eps[-1]) - float(eps[0])) / 2)
-        return _interpolation(x, across, eps.tobytes(), L, tolerance, MOST_ENTRIES // self.size**2)
+    def _direct(self, eps: FloatArray, L: int, tolerance: float) -> Piece | None:
+        """Return a piece with samples at the amplitudes themselves.
 
-    def _direct(self, eps: FloatArray, L: int, tolerance: float) -> Panel | None:
-        """Return a panel with samples at the amplitudes themselves; None if they are several and need too much
-        memory."""
+        None if there are several amplitudes, and their samples need too much memory.
+        """
         largest = largest_amplitude(eps)
-        x = growth(self.equations.strength, self.period * largest)
+        x = growth_bounds(self.equations.strength, self.period * largest)
         stop, B, phases = 0, 2**L, phase_count(2**L, x, tolerance)
         while stop < L:
             fewer = phase_count(B // 2, x, tolerance)
@@ -131,26 +147,33 @@ class Sampler:
         if stop < L:
             P, scale = self._ordered_product(P, B, sum(x), scale)
         weights = in_lanes(np.eye(len(eps)))
-        return Panel(slice(0), P, weights, scale, _norms(P, weights)[0][: len(eps)])
+        return Piece(slice(0), P, weights, scale, _norms(P, weights)[0][: len(eps)])
 
     def _fits(self, matrices: int, growth: float) -> bool:
-        return matrices <= MOST_MATRICES and matrices * self.size**2 <= MOST_ENTRIES // 2 and growth <= MOST_FACTOR
+        """Return whether so many matrices fit into one array, and their growth into the range of floats."""
+        entries = matrices * self.size**2
+        return matrices <= MAX_SAMPLE_MATRICES and entries <= MAX_SAMPLE_ENTRIES // 2 and growth <= MAX_FACTOR_GROWTH
 
     def _sample(self, plan: Schedule, largest: float, L: int, scale: Scale) -> FloatArray:
-        """Return the samples at the end of a schedule, given the largest amplitude."""
-        work = self.work.arrays(plan.most * self.size**2)
+        """Return the samples at the end of a schedule; ``largest`` is the largest amplitude."""
+        work = self.work.arrays(plan.max_matrices * self.size**2)
         A, left, right, _ = self.equations
         h = self.period / 2**L
         return _samples(A, self.subsystem.Fc, self.subsystem.Fs, left, right, h, largest, plan, scale, work)
 
     def _ordered_product(self, P: FloatArray, B: int, growth: float, scale: Scale) -> tuple[FloatArray, Scale]:
-        """Return the product of the B factors P(2 pi b / B), b = 0 ... B - 1, of one amplitude, a part at a time, given
-        ``P`` (p, N, N) at p equispaced phases."""
+        """Return the product of the B factors P(2 pi b / B), b = 0 ... B - 1, of one amplitude, some at a time.
+
+        ``P`` (p, N, N) has the factors at p equispaced phases; the others are interpolated.
+        """
         N, p, halvings = self.size, len(P), 0
-        while 2**halvings < min(B, FACTORS) and self._fits(2 ** (halvings + 1), 2 ** (halvings + 1) * growth / B):
+        while 2**halvings < min(B, PAIRWISE_FACTORS):
+            if not self._fits(2 ** (halvings + 1), 2 ** (halvings + 1) * growth / B):
+                break
             halvings += 1
         count = 2**halvings
-        plan = schedule((np.inf,), 0.0, np.ones(1).tobytes(), 1, 1, halvings, TOLERANCE)  # of these factors
+        # growth without bound: all of the factors are kept, and none is interpolated
+        plan = schedule((np.inf,), 0.0, np.ones(1).tobytes(), 1, 1, halvings, INTERPOLATION_TOLERANCE)
         work = Workspace().arrays(count * N * N)
         product, total = np.eye(N)[None], unit_scale(1)
         for start in range(0, B, count):
@@ -172,28 +195,32 @@ class Sampler:
 
 
 class Interpolation(NamedTuple):
-    """How the matrices of a panel follow from samples at Chebyshev points: by ``weights`` as in `Panel`."""
+    """How the matrices of a piece follow from samples at Chebyshev points: by ``weights`` as in `Piece`."""
 
     schedule: Schedule
     weights: FloatArray
 
 
-@kept
+@memoized
 def _interpolation(
-    x: tuple[float, ...], across: float, cells: bytes, L: int, tolerance: float, most: int
+    x: tuple[float, ...], across: float, cells: bytes, L: int, tolerance: float, max_matrices: int
 ) -> Interpolation | None:
-    """Return the interpolation at the amplitudes ``cells``, or None if it takes as many samples, or more than ``most``
-    matrices at a time; ``x`` as from `growth`, ``across`` that between the middle of the amplitudes and their ends."""
+    """Return the interpolation at the amplitudes ``cells`` (an array of floats as bytes).
+
+    None if it takes as many samples as there are amplitudes, or more than ``max_matrices`` at a time. ``x`` is that of
+    `growth_bounds`; ``across`` is the growth between the middle of the amplitudes and their ends.
+    """
     eps = np.frombuffer(cells)
     middle, radius = (eps[-1] + eps[0]) / 2, (eps[-1] - eps[0]) / 2
-    nodes = degree((across,), tolerance) + 1
-    if nodes >= len(eps) or nodes * sum(x) / MOST_GROWTH > most:  # the latter where no phases are interpolated
+    count = degree((across,), tolerance) + 1
+    # the second bound holds at the level where phases are not interpolated any more
+    if count >= len(eps) or count * sum(x) / MAX_PHASE_GROWTH > max_matrices:
         return None
-    points = (middle + radius * chebyshev_points(nodes)) / largest_amplitude(eps)
+    points = (middle + radius * chebyshev_points(count)) / largest_amplitude(eps)
     plan = schedule(x, across, points.tobytes(), 1, 1, L, tolerance)
-    if plan.most > most:
+    if plan.max_matrices > max_matrices:
         return None
-    return Interpolation(plan, in_lanes(chebyshev_weights(nodes, (eps - middle) / radius)))
+    return Interpolation(plan, in_lanes(chebyshev_weights(count, (eps - middle) / radius)))
 
 
 def largest_amplitude(eps: FloatArray) -> float:
@@ -214,7 +241,7 @@ def _samples(
     scale: Scale,
     work: tuple[FloatArray, FloatArray],
 ) -> FloatArray:
-    """Return what `doublings` makes of `single_steps`: one call, since calls take as long as the work for small N."""
+    """Return what `doublings` makes of `single_steps`, in one call: for small N a call takes as long as the work."""
     N, s = A.shape[0], plan.theta.size
     single_steps(A, Fc, Fs, left, right, h, plan.theta, largest * plan.eps, work[0][: s * N * N].reshape(s, N, N))
     return doublings(N, plan, scale, work)
@@ -222,25 +249,27 @@ def _samples(
 
 @njit(cache=True, nogil=True)
 def _norms(samples: FloatArray, weights: FloatArray) -> tuple[FloatArray, bool]:
-    """Return the norms of combinations of ``samples`` with weights as in `Panel`, 1 for a rotation, and whether the
-    samples themselves are of about the same size."""
+    """Return the norms of combinations of ``samples``, and whether the samples are alike in size.
+
+    Weights and norms are those of `Piece`.
+    """
     groups, m, N = weights.shape[0], samples.shape[0], samples.shape[1]
-    flat, zero = samples.reshape(m, N * N), spread(0.0)
+    flat, zero = samples.reshape(m, N * N), broadcast(0.0)
     squares = np.dot(flat, flat.T) / N
-    norms = np.empty((1, groups, WIDTH))
+    norms = np.empty((1, groups, LANE_COUNT))
     for g in range(groups):
         square = zero
         for a in range(m):
             part = zero
             for b in range(m):
-                part = fma(spread(squares[a, b]), load(weights, g, b), part)
+                part = fma(broadcast(squares[a, b]), load(weights, g, b), part)
             square = fma(part, load(weights, g, a), square)
-        store(norms, 0, g, root(pick_le(zero, square, square, zero)))
+        store(norms, 0, g, square_root(pick_le(zero, square, square, zero)))
     sizes = np.diag(squares)
-    return norms.reshape(groups * WIDTH), sizes.max() <= MOST_CONTRAST**2 * sizes.min()
+    return norms.reshape(groups * LANE_COUNT), sizes.max() <= MAX_SAMPLE_CONTRAST**2 * sizes.min()
 
 
 def in_lanes(weights: FloatArray) -> FloatArray:
     """Return ``weights`` (cells, m) of sixteen cells at a time, (groups, m, 16); the last cell fills the last group."""
-    padded = np.concatenate([weights, np.repeat(weights[-1:], -len(weights) % WIDTH, axis=0)])
-    return np.ascontiguousarray(padded.reshape(-1, WIDTH, weights.shape[1]).transpose(0, 2, 1))
+    padded = np.concatenate([weights, np.repeat(weights[-1:], -len(weights) % LANE_COUNT, axis=0)])
+    return np.ascontiguousarray(padded.reshape(-1, LANE_COUNT, weights.shape[1]).transpose(0, 2, 1))

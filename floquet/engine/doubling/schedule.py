@@ -1,17 +1,17 @@
-"""Where to sample the products of steps that a column of a chart is made of, and how to get from samples to the rest.
+"""Which products of steps to sample for a column of a chart, and how the others follow from the samples.
 
-The product P of some steps is an entire function of the amplitude eps and the phase theta at which it begins. It is
-nearly constant while the steps span little of the period, so that a few equispaced phases and a few Chebyshev points
-in eps determine it: a grid.
+The product P of some steps is an entire function of the amplitude eps and of the phase theta at which it begins. While
+the steps span little of the period, P is nearly constant, and a grid determines it: a few equispaced phases and a few
+Chebyshev points in eps.
 
-Where a single harmonic excites the system still fewer do. The part of P of order eps^a then has the waves exp(i q
-theta) with q = a, a - 2, ..., -a alone: P is a function of eps cos theta and eps sin theta, with coefficients that fall
-like those of an exponential, and 15 samples, say, determine what takes 45 on a grid. Which ones is found by
-interpolative decomposition (H. Cheng, Z. Gimbutas, P.-G. Martinsson and V. Rokhlin, SIAM J. Sci. Comput. 26 (2005)
-1389-1404): where values are wanted, take those of some functions that are as general as P may be, and let a QR
-factorisation with column pivoting choose the points from which the others follow. The weights stay of order one, and
-rounding errors do not grow by them from doubling to doubling. With several harmonics the gain is small, and the choice
-takes long.
+With a single harmonic fewer samples are enough. The part of P of order eps^a then has only the waves exp(i q theta)
+with q = a, a - 2, ..., -a. So P is a function of eps cos theta and eps sin theta, with coefficients that fall like
+those of an exponential: where a grid takes 45 samples, 15 determine P. They are found by interpolative decomposition
+(H. Cheng, Z. Gimbutas, P.-G. Martinsson and V. Rokhlin, SIAM J. Sci. Comput. 26 (2005) 1389-1404). Take some functions
+that are as general as P may be, at all points where values of P are needed. A QR factorisation with column pivoting
+then chooses the points from which the values at all others follow. The weights stay of order one, so that rounding
+errors do not grow from doubling to doubling. With several harmonics the gain is small, and the choice takes long: there
+a grid is used.
 """
 
 from __future__ import annotations
@@ -31,211 +31,228 @@ from floquet.engine.doubling.interpolation import (
     exact_for_constants,
     trigonometric_weights,
 )
-from floquet.engine.doubling.memo import kept
+from floquet.engine.doubling.memo import memoized
 from periodic.checks import ComplexArray, FloatArray
 
-# Error of interpolation on a grid, if the bound on growth were attained. It never is: with this value the errors
-# measured are a few 1e-13 of the norm, which is rounding.
-TOLERANCE = 1e-10
-# Error of interpolation between chosen samples, relative to the largest value, as part of the tolerance, and at least:
-# these functions do attain the bound, and an error in one of B parts of a period counts B times.
-CHOSEN, LEAST_CHOSEN = 1e-4, 1e-14
-# Samples at different phases may differ in size by the exponential of twice this; interpolating between more than that
-# would lose the small ones to the rounding of the large.
-MOST_GROWTH = 3.0
-# Cancellation is looked for between factors that are so many or fewer in a period; shorter ones have little of it.
-FEW_FACTORS = 8
-# Points, at most, among which samples are chosen; of more than that, and where there are several harmonics, a grid.
-MOST_WANTED = 512
-# Functions to choose samples by, at first, and how many more of them than samples there must be.
-FUNCTIONS, SURPLUS = 64, 1.5
-PARTS = 256  # of the whole growth, to which the shares of the harmonics are rounded up
+# Error of interpolation on a grid, relative to the norm, if the bound on growth were attained. It never is: measured
+# errors are a few 1e-13 of the norm, which is rounding.
+INTERPOLATION_TOLERANCE = 1e-10
+# Error of interpolation between chosen samples, relative to the largest value: this part of the tolerance, but at least
+# this much. These functions do attain the bound, and an error in one of B parts of a period counts B times.
+CHOSEN_TOLERANCE_PART, MIN_CHOSEN_TOLERANCE = 1e-4, 1e-14
+# Largest growth, as a logarithm, within the products that are interpolated between phases. Samples may then differ in
+# size by the exponential of twice this; with more, the small ones would be lost to the rounding of the large ones.
+MAX_PHASE_GROWTH = 3.0
+# Largest number of factors in a period whose products are examined for cancellation; shorter ones have little of it.
+MAX_WATCHED_FACTORS = 8
+# Largest number of points among which samples are chosen; with more of them a grid is used.
+MAX_WANTED_POINTS = 512
+# Number of functions to begin to choose samples by, and how many functions there must be for each sample.
+MIN_TRIAL_FUNCTIONS, TRIAL_FUNCTION_SURPLUS = 64, 1.5
+# Parts of the whole growth to which the shares of the harmonics are rounded up, so that columns share their schedules.
+GROWTH_SHARES = 256
+# Distance of a phase from a sampled one, in units of their spacing, that is rounding.
+PHASE_ROUNDING = 1e-9
 
 
 class Schedule(NamedTuple):
-    """Samples and weights of all doublings, the first one first.
+    """Samples and weights of all doublings, in their order.
 
-    Products are kept phase by phase, all amplitudes of a phase together. Samples that are no grid count as phases with
-    one amplitude each.
+    Products are stored phase by phase, with all amplitudes of a phase together. Samples that are not on a grid count as
+    phases with one amplitude each.
 
     Attributes
     ----------
-    theta, eps : ndarray, shape (phases[0] nodes[0],)
-        Phases and amplitudes of the single steps to begin with, the largest amplitude being 1.
-    phases, nodes : int ndarray, shape (levels + 1,)
-        At how many phases and amplitudes products are sampled before the first doubling and after each.
-    groups, others : int ndarray, shape (levels,)
-        How many amplitudes each doubling is done for, and how many other phases it needs, which are interpolated.
+    theta, eps : ndarray, shape (phases[0] amplitudes[0],)
+        Phases and amplitudes of the single steps to begin with; the largest amplitude is 1.
+    phases, amplitudes : int ndarray, shape (levels + 1,)
+        Number of phases and amplitudes at which products are sampled, before the first doubling and after each.
+    needed_amplitudes, added_phases : int ndarray, shape (levels,)
+        Number of amplitudes for which each doubling is done, and number of phases that it needs besides the sampled
+        ones; both are interpolated.
     weights : ndarray
-        For each doubling the matrix (groups, nodes) that interpolates in eps, if they differ, and the one (others,
-        phases) that interpolates in theta, one after the other.
+        For each doubling the matrix (needed_amplitudes, amplitudes) that interpolates in eps, if the two differ, and
+        the matrix (added_phases, phases) that interpolates in theta, one after the other.
     pairs : int ndarray
-        For each doubling the first and then the second factors, as places among the phases that were sampled and,
-        after them, the others.
+        For each doubling the first and then the second factors, as places among the sampled phases followed by the
+        added ones.
     grid : bool ndarray, shape (levels,)
-        Whether the products after the doubling are a grid.
+        Whether the products after the doubling are on a grid.
     watched : bool ndarray, shape (levels,)
-        Whether to look for cancellation.
-    most : int
-        The largest number of matrices in one array.
+        Whether to examine the doubling for cancellation.
+    max_matrices : int
+        Largest number of matrices in one array.
     """
 
     theta: FloatArray
     eps: FloatArray
     phases: NDArray[np.int64]
-    nodes: NDArray[np.int64]
-    groups: NDArray[np.int64]
-    others: NDArray[np.int64]
+    amplitudes: NDArray[np.int64]
+    needed_amplitudes: NDArray[np.int64]
+    added_phases: NDArray[np.int64]
     weights: FloatArray
     pairs: NDArray[np.int64]
     grid: NDArray[np.bool_]
     watched: NDArray[np.bool_]
-    most: int
+    max_matrices: int
 
     @property
     def sizes(self) -> NDArray[np.int64]:
-        """How many products are sampled before the first doubling and after each, (levels + 1,)."""
-        return self.phases * self.nodes
+        """Number of products that are sampled before the first doubling and after each, (levels + 1,)."""
+        return self.phases * self.amplitudes
 
 
 class _Doubling(NamedTuple):
-    """One doubling of a `Schedule`, and the samples that it begins with."""
+    """One doubling of a `Schedule`, and the samples before it."""
 
     theta: FloatArray
     eps: FloatArray
     phases: int
-    nodes: int
-    groups: int
-    to_groups: FloatArray
-    to_others: FloatArray
+    amplitudes: int
+    needed_amplitudes: int
+    across_amplitudes: FloatArray
+    across_phases: FloatArray
     pairs: NDArray[np.int64]
     watched: bool
 
     @property
     def matrices(self) -> int:
-        """How many are in use at a time."""
-        return (self.phases + len(self.to_others)) * self.groups
+        """Number of matrices in use during the doubling."""
+        return (self.phases + len(self.across_phases)) * self.needed_amplitudes
 
 
 def quantised(x: float) -> float:
-    """Return the next fourth of a power of two above ``x``, so that neighbouring columns share their schedule."""
+    """Return ``x`` rounded up to a power of 2^(1/4), so that neighbouring columns share their schedule."""
     return 2.0 ** (math.ceil(4 * math.log2(x)) / 4) if x > 0 else 0.0
 
 
-def growth(strength: tuple[float, ...], size: float) -> tuple[float, ...]:
-    """Return bounds, rounded up, on the logarithm of the growth that each harmonic brings about in one period, from its
-    rate and the product of period and largest amplitude."""
+def growth_bounds(strength: tuple[float, ...], size: float) -> tuple[float, ...]:
+    """Return bounds, rounded up, on the logarithm of the growth that each harmonic brings about in one period.
+
+    ``strength`` are the rates of growth for eps = 1, and ``size`` is the product of period and largest amplitude.
+    """
     total = sum(strength)
     whole = quantised(total * size)
-    return tuple(whole * math.ceil(PARTS * rate / total) / PARTS if whole > 0 else 0.0 for rate in strength)
+    if whole == 0.0:
+        return (0.0,) * len(strength)
+    return tuple(whole * math.ceil(GROWTH_SHARES * rate / total) / GROWTH_SHARES for rate in strength)
 
 
 @lru_cache(maxsize=1024)
 def phase_count(B: int, x: tuple[float, ...], tolerance: float) -> int:
-    """Return at how many equispaced phases the products that are one of B parts of a period are determined; all B
-    where they grow too much to be interpolated. ``x`` as from `growth`."""
+    """Return the number of equispaced phases that determine the products over a B-th part of a period.
+
+    It is B, all of them, where the products grow too much to be interpolated. ``x`` is that of `growth_bounds`.
+    """
     part = tuple(each / B for each in x)
-    return B if sum(part) > MOST_GROWTH else min(B, 2 * degree(part, tolerance) + 1)
+    return B if sum(part) > MAX_PHASE_GROWTH else min(B, 2 * degree(part, tolerance) + 1)
 
 
-@kept
+@memoized
 def schedule(
     x: tuple[float, ...], across: float, amplitudes: bytes, phases: int, B: int, levels: int, tolerance: float
 ) -> Schedule:
     """Plan the last ``levels`` doublings, from the last one back.
 
-    Wanted are the products over a B-th part of a period that begin at so many equispaced ``phases``, with amplitudes
-    (an array of floats as bytes) relative to the largest. These are the Chebyshev points of their range, and ``across``
-    is the growth in one period between its middle and its ends; or, if that is zero, they are given and stay. ``x`` as
-    from `growth`.
+    They are to end with the products over a B-th part of a period that begin at so many equispaced ``phases``.
+    ``amplitudes`` (an array of floats as bytes) are relative to the largest. If ``across`` is positive, they are the
+    Chebyshev points of their range, and ``across`` is the growth in one period between the middle and the ends of the
+    range. If it is zero, all doublings are done for these amplitudes. ``x`` is that of `growth_bounds`.
     """
     eps, theta = np.frombuffer(amplitudes), 2 * np.pi * np.arange(phases) / phases
-    end, steps, grid = (phases, len(eps)), [], [True]
-    theta, eps, nodes = np.repeat(theta, len(eps)), np.tile(eps, phases), eps
+    end, plans, grid = (phases, len(eps)), [], [True]
+    theta, eps, points = np.repeat(theta, len(eps)), np.tile(eps, phases), eps
     for _ in range(levels):
         B *= 2
-        if grid[-1] and (sum(x) / B > MOST_GROWTH or np.count_nonzero(x) > 1 or 2 * len(theta) > MOST_WANTED):
-            step = _grid(phases, nodes, x, across, B, tolerance)
-            phases, nodes = step.phases, step.eps[: step.nodes]
+        several = np.count_nonzero(x) > 1
+        if grid[-1] and (sum(x) / B > MAX_PHASE_GROWTH or several or 2 * len(theta) > MAX_WANTED_POINTS):
+            plan = _grid(phases, points, x, across, B, tolerance)
+            phases, points = plan.phases, plan.eps[: plan.amplitudes]
             grid.append(True)
         else:
-            step = _scattered(theta, eps, np.array(x) / B, B, tolerance)
+            plan = _scattered(theta, eps, np.array(x) / B, B, tolerance)
             grid.append(False)
-        theta, eps = step.theta, step.eps
-        steps.append(step)
-    steps.reverse()
+        theta, eps = plan.theta, plan.eps
+        plans.append(plan)
+    plans.reverse()
+    weights = [part.ravel() for plan in plans for part in (plan.across_amplitudes, plan.across_phases)]
     return Schedule(
         theta,
         eps,
-        np.array([*(step.phases for step in steps), end[0]]),
-        np.array([*(step.nodes for step in steps), end[1]]),
-        np.array([step.groups for step in steps], np.int64),
-        np.array([len(step.to_others) for step in steps], np.int64),
-        np.concatenate([np.empty(0), *(part.ravel() for step in steps for part in (step.to_groups, step.to_others))]),
-        np.concatenate([np.empty(0, np.int64), *(step.pairs for step in steps)]),
+        np.array([*(plan.phases for plan in plans), end[0]]),
+        np.array([*(plan.amplitudes for plan in plans), end[1]]),
+        np.array([plan.needed_amplitudes for plan in plans], np.int64),
+        np.array([len(plan.across_phases) for plan in plans], np.int64),
+        np.concatenate([np.empty(0), *weights]),
+        np.concatenate([np.empty(0, np.int64), *(plan.pairs for plan in plans)]),
         np.array(grid[:-1][::-1], bool),
-        np.array([step.watched for step in steps], bool),
-        max([end[0] * end[1], *(len(step.eps) for step in steps), *(step.matrices for step in steps)]),
+        np.array([plan.watched for plan in plans], bool),
+        max([end[0] * end[1], *(len(plan.eps) for plan in plans), *(plan.matrices for plan in plans)]),
     )
 
 
-def _grid(phases: int, nodes: FloatArray, x: tuple[float, ...], across: float, B: int, tolerance: float) -> _Doubling:
-    """Return the doubling that ends with the amplitudes ``nodes`` at ``phases`` and begins with a grid."""
-    k, p = len(nodes), phase_count(B, x, tolerance)
-    m, to_groups = k, np.empty((0, 0))
+def _grid(phases: int, points: FloatArray, x: tuple[float, ...], across: float, B: int, tolerance: float) -> _Doubling:
+    """Return the doubling that ends with the amplitudes ``points`` at ``phases`` and begins with a grid."""
+    k, p = len(points), phase_count(B, x, tolerance)
+    m, across_amplitudes = k, np.empty((0, 0))
     if across > 0:
         m = min(degree((across / B,), tolerance) + 1, k)
     if m != k:
-        points = chebyshev_points(k)
-        to_groups = exact_for_constants(chebyshev_weights(m, points))
-        radius = (nodes[0] - nodes[-1]) / (points[0] - points[-1])
-        nodes = (nodes[0] + nodes[-1]) / 2 + radius * chebyshev_points(m)
+        relative = chebyshev_points(k)
+        across_amplitudes = exact_for_constants(chebyshev_weights(m, relative))
+        radius = (points[0] - points[-1]) / (relative[0] - relative[-1])
+        points = (points[0] + points[-1]) / 2 + radius * chebyshev_points(m)
     first = 2 * np.pi * np.arange(phases) / phases
     wanted = np.concatenate([first, first + 2 * np.pi / B]) * (p / (2 * np.pi))
-    known = np.abs(wanted - np.rint(wanted)) < 1e-9
-    pairs = np.where(known, np.rint(wanted).astype(int), p + np.cumsum(~known) - 1)
-    others = wanted[~known] * (2 * np.pi / p)
-    to_others = exact_for_constants(trigonometric_weights(p, others)) if p != B else np.empty((0, p))
+    sampled = np.abs(wanted - np.rint(wanted)) < PHASE_ROUNDING
+    pairs = np.where(sampled, np.rint(wanted).astype(int), p + np.cumsum(~sampled) - 1)
+    added = wanted[~sampled] * (2 * np.pi / p)
+    across_phases = exact_for_constants(trigonometric_weights(p, added)) if p != B else np.empty((0, p))
     theta = np.repeat(2 * np.pi * np.arange(p) / p, m)
-    return _Doubling(theta, np.tile(nodes, p), p, m, k, to_groups, to_others, pairs, watched=p == B)
+    return _Doubling(theta, np.tile(points, p), p, m, k, across_amplitudes, across_phases, pairs, watched=p == B)
 
 
 def _scattered(theta: FloatArray, eps: FloatArray, x: FloatArray, B: int, tolerance: float) -> _Doubling:
-    """Return the doubling that ends with products at the points (theta, eps), and begins with the fewest samples."""
+    """Return the doubling that ends with products at the points (theta, eps) and begins with the fewest samples."""
     theta, eps = np.concatenate([theta, theta + 2 * np.pi / B]), np.tile(eps, 2)
-    order, weights = _skeleton(theta, eps, x, max(CHOSEN * tolerance, LEAST_CHOSEN))
+    order, weights = _skeleton(theta, eps, x, max(CHOSEN_TOLERANCE_PART * tolerance, MIN_CHOSEN_TOLERANCE))
     chosen = order[: weights.shape[1]]
     return _Doubling(
         theta[chosen],
         eps[chosen],
         phases=len(chosen),
-        nodes=1,
-        groups=1,
-        to_groups=np.empty((0, 0)),
-        to_others=weights,
+        amplitudes=1,
+        needed_amplitudes=1,
+        across_amplitudes=np.empty((0, 0)),
+        across_phases=weights,
         pairs=np.argsort(order),
-        watched=B <= FEW_FACTORS,
+        watched=B <= MAX_WATCHED_FACTORS,
     )
 
 
 def _skeleton(theta: FloatArray, eps: FloatArray, x: FloatArray, error: float) -> tuple[NDArray[Any], FloatArray]:
-    """Return an order of the points (theta, eps), first those to be sampled, and the weights (others, sampled) by which
-    the others follow, relative to the largest value up to ``error``."""
-    count = min(FUNCTIONS, 2 * len(theta) + 8)
+    """Return an order of the points (theta, eps), with those to be sampled first, and weights (others, sampled).
+
+    The weights give the values at the other points, up to ``error`` relative to the largest value.
+    """
+    count = min(MIN_TRIAL_FUNCTIONS, 2 * len(theta) + 8)
     while True:
         values = _functions(theta, eps, x, count // 2)
         R, order = sla.qr(values.T, mode="r", pivoting=True, check_finite=False)
         sizes = np.abs(np.diag(R))
         k = max(int((sizes > error * sizes[0]).sum()), 1)
-        if count >= SURPLUS * k or count >= SURPLUS * len(theta):
+        if count >= TRIAL_FUNCTION_SURPLUS * k or count >= TRIAL_FUNCTION_SURPLUS * len(theta):
             break
         count *= 2
     return order, exact_for_constants(sla.solve_triangular(R[:k, :k], R[:k, k:], check_finite=False).T)
 
 
 def _functions(theta: FloatArray, eps: FloatArray, x: FloatArray, count: int) -> FloatArray:
-    """Return real and imaginary parts, (points, 2 count), of exp(eps sum_j (x_j / 2) [u_j exp(i j theta) + v_j exp(-i j
-    theta)]) for random u and v on the unit circle: their coefficients are as large as those of P can be."""
+    """Return functions with coefficients as large as those of P can be, at the points (theta, eps): (points, 2 count).
+
+    They are the real and imaginary parts of exp(eps sum_j (x_j / 2) [u_j exp(i j theta) + v_j exp(-i j theta)]) for
+    random u and v on the unit circle.
+    """
     u, v = _unit_circle(count, len(x))
     waves = np.exp(1j * np.outer(theta, np.arange(1, len(x) + 1))) * (x / 2)
     values = np.exp(eps[:, None] * (waves @ u + waves.conj() @ v))
@@ -244,5 +261,5 @@ def _functions(theta: FloatArray, eps: FloatArray, x: FloatArray, count: int) ->
 
 @lru_cache(maxsize=16)
 def _unit_circle(count: int, harmonics: int) -> ComplexArray:
-    """Return random numbers, always the same, (2, harmonics, count)."""
+    """Return random numbers on the unit circle, the same at every call, (2, harmonics, count)."""
     return np.exp(2j * np.pi * np.random.default_rng(0).random((2, harmonics, count)))

@@ -5,29 +5,31 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from floquet.engine.eigen.lanes import ROW, fma, load_row, spread, store_row
+from floquet.engine.eigen import MAX_LANE_ROW, broadcast, fma, load_row, store_row
 from periodic.checks import FloatArray
+
+MAX_SERIES_NORM = 0.5  # of the matrix whose exponential is summed as a Taylor series
+SERIES_TOLERANCE = 1e-18  # bound on the first term of the series that is left out
 
 
 @njit(cache=True, nogil=True)
 def multiply(P: FloatArray, first: int, second: int, Q: FloatArray, i: int) -> None:
-    """Write P[second] P[first] into Q[i]; P and Q are C-contiguous, (matrices, N, N), the result apart from
-    the factors.
+    """Write P[second] P[first] into Q[i]; P and Q are C-contiguous, (matrices, N, N), and do not overlap.
 
     Where a row fits into lanes, BLAS would take longer to begin than to multiply.
     """
     N = P.shape[1]
-    if N > ROW:
+    if N > MAX_LANE_ROW:
         np.dot(P[second], P[first], Q[i])
         return
     last = N - 1
     for r in range(0, N, 4):
         r1, r2, r3 = min(r + 1, last), min(r + 2, last), min(r + 3, last)
-        q0 = q1 = q2 = q3 = spread(0.0)
+        q0 = q1 = q2 = q3 = broadcast(0.0)
         for k in range(N):
             row = load_row(P, first, k)
-            q0, q1 = fma(spread(P[second, r, k]), row, q0), fma(spread(P[second, r1, k]), row, q1)
-            q2, q3 = fma(spread(P[second, r2, k]), row, q2), fma(spread(P[second, r3, k]), row, q3)
+            q0, q1 = fma(broadcast(P[second, r, k]), row, q0), fma(broadcast(P[second, r1, k]), row, q1)
+            q2, q3 = fma(broadcast(P[second, r2, k]), row, q2), fma(broadcast(P[second, r3, k]), row, q3)
         store_row(Q, i, r, q0)
         store_row(Q, i, r1, q1)
         store_row(Q, i, r2, q2)
@@ -36,20 +38,20 @@ def multiply(P: FloatArray, first: int, second: int, Q: FloatArray, i: int) -> N
 
 @njit(cache=True, nogil=True)
 def exponential(A: FloatArray) -> FloatArray:
-    """Return exp(A) by its Taylor series, after halving A until its norm is at most 1/2, and squaring."""
+    """Return exp(A) by its Taylor series: A is halved until its norm is small, and the result is squared as often."""
     norm = 0.0
     for i in range(A.shape[0]):
         norm = max(norm, np.abs(A[i]).sum())
     squarings = 0
-    while norm > 0.5:
+    while norm > MAX_SERIES_NORM:
         norm *= 0.5
         squarings += 1
     terms, bound = 0, 1.0
-    while bound > 1e-18:
+    while bound > SERIES_TOLERANCE:
         terms += 1
         bound *= norm / terms
     N, here = A.shape[0], 1
-    P = np.zeros((3, N, N))  # A, and the sum in turn
+    P = np.zeros((3, N, N))  # A, and two places that hold the sum in turn
     P[0] = A * 0.5**squarings
     np.fill_diagonal(P[1], 1.0)
     for k in range(terms, 0, -1):  # I + A (I + A/2 (I + A/3 (...)))
@@ -90,12 +92,12 @@ def single_steps(
 ) -> None:
     """Write the steps exp(h A) (I + kick) at the phases ``theta`` and amplitudes ``eps`` (s,) into P (s, N, N).
 
-    The kick changes the velocities by left [-h eps F + (h^3 eps^2 / 12) F^2] right times the displacements (``left``
-    and ``right`` are the diagonals that the coordinates bring with them). The second term is half of h^3 / 12 times
-    the double commutator of Takahashi and Imada (J. Phys. Soc. Japan 53 (1984) 3765): with it the step is similar to
-    one of fourth order, by a transformation with the period of the excitation, which the multipliers do not see
-    (processing; S. Blanes, F. Casas and A. Murua, Bol. Soc. Esp. Mat. Apl. 45 (2008) 89-145, section 3). Exact for
-    eps = 0; symplectic if exp(h A) is.
+    The kick changes the velocities by left [-h eps F + (h^3 eps^2 / 12) F^2] right times the displacements, where
+    ``left`` and ``right`` are diagonals that belong to the coordinates. The second term is half of h^3 / 12 times the
+    double commutator of Takahashi and Imada (J. Phys. Soc. Japan 53 (1984) 3765). With it the step is conjugate to one
+    of fourth order. The transformation between the two has the period of the excitation, and so the multipliers are
+    those of the fourth-order step (processing; S. Blanes, F. Casas and A. Murua, Bol. Soc. Esp. Mat. Apl. 45 (2008)
+    89-145, section 3). The step is exact for eps = 0, and symplectic if exp(h A) is.
     """
     N = A.shape[0]
     n = N // 2

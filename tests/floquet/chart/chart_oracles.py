@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import ArrayLike
 
-from floquet import monodromy, stability_chart
+from floquet import StabilityChart, monodromy, stability_chart
+from periodic import PeriodicSystem
 
 
-def chart(system, Omega, eps, **options):
+def chart(system: PeriodicSystem, Omega: ArrayLike, eps: ArrayLike, **options: Any) -> StabilityChart:
     return stability_chart(system, Omega, eps, **{"n_jobs": 1, "progress": False, "audit": 0} | options)
 
 
-def agrees(system, found):
+def agrees(system: PeriodicSystem, found: StabilityChart) -> bool:
     """Compare every cell of a chart with `monodromy`: growth within the errors, no contradiction."""
     for j, Omega in enumerate(found.Omega):
         for i, eps in enumerate(found.eps):

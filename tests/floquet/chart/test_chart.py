@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import sys
+from pathlib import Path
+from typing import Any
 
 import joblib
 import numpy as np
@@ -11,7 +13,7 @@ import pytest
 
 import floquet.chart.chart
 from floquet import Kind, StabilityChart, monodromy, stability_chart
-from floquet.chart.audit import ChartAudit
+from floquet.chart import ChartAudit
 from periodic import PeriodicSystem
 from periodic.examples import coupled_mathieu, mathieu
 from tests.floquet.chart.chart_oracles import agrees, chart
@@ -20,7 +22,7 @@ from tests.floquet.oracle_systems import random_system
 ARRAYS = ("Omega", "eps", "growth_rate", "multiplier", "kind", "error")
 
 
-def same(one, other):
+def same(one: StabilityChart, other: StabilityChart) -> bool:
     """Whether two charts agree to the last bit."""
     return all(np.array_equal(getattr(one, name), getattr(other, name)) for name in ARRAYS)
 
@@ -29,11 +31,11 @@ def same(one, other):
 
 
 @pytest.fixture(scope="module")
-def example():
+def example() -> StabilityChart:
     return stability_chart(mathieu(1.0), np.linspace(0.6, 2.6, 21), np.linspace(0, 0.8, 17), n_jobs=1, progress=False)
 
 
-def test_shapes_and_types(example):
+def test_shapes_and_types(example: StabilityChart) -> None:
     assert (
         example.growth_rate.shape == example.multiplier.shape == example.kind.shape == example.error.shape == (17, 21)
     )
@@ -46,7 +48,7 @@ def test_shapes_and_types(example):
         example.eps = None
 
 
-def test_fields_belong_together(example):
+def test_fields_belong_together(example: StabilityChart) -> None:
     period = 2 * np.pi / example.Omega
     assert np.abs(example.multiplier) == pytest.approx(np.exp(example.growth_rate * period), rel=1e-12)
     assert (example.multiplier.imag >= 0).all()
@@ -61,7 +63,7 @@ def test_fields_belong_together(example):
     assert example.kind[-1, np.argmin(np.abs(example.Omega - 0.9))] == Kind.PLUS_ONE
 
 
-def test_combination_resonance_is_of_complex_kind():
+def test_combination_resonance_is_of_complex_kind() -> None:
     found = chart(coupled_mathieu("sum"), [2.7], [0.3])
     assert found.kind.tolist() == [[Kind.COMPLEX]]
     assert found.multiplier[0, 0].imag > 0.1
@@ -69,13 +71,13 @@ def test_combination_resonance_is_of_complex_kind():
     assert difference.kind.tolist() == [[Kind.COMPLEX]]
 
 
-def test_damped_cells_are_stable_or_not():
+def test_damped_cells_are_stable_or_not() -> None:
     found = chart(mathieu(1.0, 0.1), np.linspace(1.5, 2.5, 11), np.linspace(0, 0.8, 9))
     assert (found.growth_rate[found.kind == Kind.STABLE] < 0).all()
     assert found.growth_rate[0] == pytest.approx(-0.05)  # no excitation: half the damping coefficient
 
 
-def test_points_can_be_computed_alone():
+def test_points_can_be_computed_alone() -> None:
     # a cell does not depend on its neighbours by more than its error; single columns, rows and cells work
     system = random_system(21, 3, 2, damping=0.05)
     Omega, eps = np.linspace(0.9, 3.0, 5), np.linspace(-0.5, 1.0, 20)
@@ -90,7 +92,7 @@ def test_points_can_be_computed_alone():
         assert (difference <= part.error + whole.error[i, j]).all()
 
 
-def test_uneven_grids():
+def test_uneven_grids() -> None:
     system = random_system(22, 2, 1, damping=0.1)
     found = chart(system, [0.7, 0.71, 5.0, 40.0], [-3.0, -1e-9, 0.0, 1e-12, 0.2, *np.linspace(0.5, 0.6, 12), 2.0])
     assert agrees(system, found)
@@ -99,13 +101,13 @@ def test_uneven_grids():
 class Family:
     """Coordinates that are independent below Omega = 2, coupled above: excitation that depends on the frequency."""
 
-    def at(self, Omega):
+    def at(self, Omega: float) -> PeriodicSystem:
         off = 0.7 * (Omega > 2)
         F = [[[1.0, off], [off, 1.5]]]
         return PeriodicSystem(np.eye(2), np.zeros((2, 2)), 0.02 * np.eye(2), np.diag([1.0, 2.3]), F)
 
 
-def test_excitation_that_depends_on_the_frequency():
+def test_excitation_that_depends_on_the_frequency() -> None:
     family = Family()
     found = chart(family, np.linspace(1.6, 2.8, 7), np.linspace(0, 0.9, 10))
     for j, Omega in enumerate(found.Omega):
@@ -117,7 +119,7 @@ def test_excitation_that_depends_on_the_frequency():
 # ---- workers ----
 
 
-def test_number_of_workers_and_backend_do_not_matter():
+def test_number_of_workers_and_backend_do_not_matter() -> None:
     system = random_system(23, 4, 2)
     Omega, eps = np.linspace(0.8, 3.0, 19), np.linspace(0, 0.6, 12)
     one = chart(system, Omega, eps, audit=4)
@@ -129,7 +131,7 @@ def test_number_of_workers_and_backend_do_not_matter():
 
 
 @pytest.mark.slow
-def test_processes_do_not_matter():
+def test_processes_do_not_matter() -> None:
     system = random_system(23, 4, 2)
     Omega, eps = np.linspace(0.8, 3.0, 19), np.linspace(0, 0.6, 12)
     with joblib.parallel_config(backend="loky", n_jobs=2):
@@ -138,15 +140,15 @@ def test_processes_do_not_matter():
     assert other.audit.ok
 
 
-def test_columns_do_not_depend_on_their_task(monkeypatch):
+def test_columns_do_not_depend_on_their_task(monkeypatch: pytest.MonkeyPatch) -> None:
     system = random_system(24, 3, 1)
     Omega, eps = np.linspace(0.8, 3.0, 13), np.linspace(0, 0.6, 12)
     one = chart(system, Omega, eps)
-    monkeypatch.setattr(floquet.chart.chart, "LEAST_COLUMNS", 5)
+    monkeypatch.setattr(floquet.chart.chart, "MIN_TASK_COLUMNS", 5)
     assert same(one, chart(system, Omega, eps))
 
 
-def test_progress_bar(capfd):
+def test_progress_bar(capfd: pytest.CaptureFixture[str]) -> None:
     Omega = np.linspace(0.8, 3.0, 9)
     chart(mathieu(), Omega, [0.1], progress=False)
     chart(mathieu(), Omega, [0.1], progress=None)  # no terminal here
@@ -160,7 +162,7 @@ def test_progress_bar(capfd):
 # ---- audit ----
 
 
-def test_audit(example):
+def test_audit(example: StabilityChart) -> None:
     audit = example.audit
     assert len(audit.cells) in (16, 17)
     assert [int(i) for i in np.unravel_index(example.error.argmax(), example.error.shape)] in audit.cells.tolist()
@@ -173,7 +175,7 @@ def test_audit(example):
     assert np.array_equal(again.differences, audit.differences)
 
 
-def test_audit_notices_faults(monkeypatch):
+def test_audit_notices_faults(monkeypatch: pytest.MonkeyPatch) -> None:
     # another system in the place of the one that is integrated: the audit must say so
     right, wrong = random_system(25, 2, 1, damping=0.1), random_system(26, 2, 1, damping=0.1)
     monkeypatch.setattr(
@@ -187,15 +189,15 @@ def test_audit_notices_faults(monkeypatch):
 original = floquet.chart.chart.chart_batch
 
 
-def test_contradiction_is_not_ok():
-    def audit(contradiction):
+def test_contradiction_is_not_ok() -> None:
+    def audit(contradiction: bool) -> ChartAudit:
         return ChartAudit(np.array([[0, 0]]), np.array([1e-12]), np.array([1e-10]), np.array([contradiction]))
 
     assert audit(False).ok
     assert not audit(True).ok
 
 
-def test_refused_cells_are_not_compared():
+def test_refused_cells_are_not_compared() -> None:
     nothing = ChartAudit(np.array([[0, 0]]), np.array([np.nan]), np.array([np.nan]), np.array([False]))
     assert nothing.compared == 0
     assert np.isnan(nothing.largest_difference)
@@ -206,7 +208,7 @@ def test_refused_cells_are_not_compared():
 # ---- files ----
 
 
-def test_save_and_load(example, tmp_path):
+def test_save_and_load(example: StabilityChart, tmp_path: Path) -> None:
     path = tmp_path / "chart.npz"
     example.save(path)
     loaded = StabilityChart.load(str(path))
@@ -218,12 +220,14 @@ def test_save_and_load(example, tmp_path):
     assert [entry.name for entry in tmp_path.iterdir()] == ["chart.npz"]
 
 
-def test_interrupted_save_leaves_the_old_file(example, tmp_path, monkeypatch):
+def test_interrupted_save_leaves_the_old_file(
+    example: StabilityChart, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     path = tmp_path / "chart.npz"
     example.save(path)
     before = path.read_bytes()
 
-    def interrupted(file, **arrays):
+    def interrupted(file: Any, **arrays: Any) -> None:
         file.write(b"half a file")
         raise KeyboardInterrupt
 
@@ -235,14 +239,14 @@ def test_interrupted_save_leaves_the_old_file(example, tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("content", [b"", b"no archive", b"PK\x03\x04 truncated"])
-def test_load_refuses_other_files(content, tmp_path):
+def test_load_refuses_other_files(content: bytes, tmp_path: Path) -> None:
     path = tmp_path / "other.npz"
     path.write_bytes(content)
     with pytest.raises(ValueError, match=r"other\.npz.*is not a saved chart.*give a file that save wrote"):
         StabilityChart.load(path)
 
 
-def test_load_refuses_other_arrays(example, tmp_path):
+def test_load_refuses_other_arrays(example: StabilityChart, tmp_path: Path) -> None:
     path = tmp_path / "chart.npz"
     np.savez(path, Omega=[1.0])
     with pytest.raises(ValueError, match="is not a saved chart"):
@@ -258,20 +262,20 @@ def test_load_refuses_other_arrays(example, tmp_path):
 
 
 @pytest.mark.parametrize("path", [None, 3, [1]])
-def test_paths_are_checked(example, path):
+def test_paths_are_checked(example: StabilityChart, path: Any) -> None:
     with pytest.raises(ValueError, match="is not a path"):
         example.save(path)
     with pytest.raises(ValueError, match="is not a path"):
         StabilityChart.load(path)
 
 
-def test_without_xarray(example, monkeypatch):
+def test_without_xarray(example: StabilityChart, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "xarray", None)  # as if it were not installed
     with pytest.raises(ImportError, match=r"floquet-charts\[xarray\]"):
         example.to_xarray()
 
 
-def test_to_xarray(example):
+def test_to_xarray(example: StabilityChart) -> None:
     pytest.importorskip("xarray")
     dataset = example.to_xarray()
     assert dataset.growth_rate.dims == ("eps", "Omega")
@@ -308,22 +312,22 @@ def test_to_xarray(example):
         ({"audit": True}, "audit = True"),
     ],
 )
-def test_arguments_are_checked(arguments, message):
+def test_arguments_are_checked(arguments: dict[str, Any], message: str) -> None:
     good = {"family": mathieu(), "Omega": [1.0], "eps": [0.1]}
     with pytest.raises(ValueError, match=message):
         stability_chart(**good | arguments)
 
 
-def test_families_are_checked():
+def test_families_are_checked() -> None:
     class Wrong:
-        def at(self, Omega):
+        def at(self, Omega: float) -> PeriodicSystem:
             return "no system"
 
     with pytest.raises(ValueError, match=r"family\.at"):
         chart(Wrong(), [1.0], [0.1])
 
 
-def test_charts_are_checked(example):
+def test_charts_are_checked(example: StabilityChart) -> None:
     with pytest.raises(ValueError, match="growth_rate has shape"):
         dataclasses.replace(example, growth_rate=np.zeros((2, 2)))
     with pytest.raises(ValueError, match="Omega is not strictly increasing"):
@@ -331,6 +335,6 @@ def test_charts_are_checked(example):
 
 
 @pytest.mark.parametrize(("Omega", "eps"), [(1e-7, 1.0), (1e-200, 1.0), (1.0, 1e10)])
-def test_a_period_of_too_many_cycles_is_refused(Omega, eps):
+def test_a_period_of_too_many_cycles_is_refused(Omega: float, eps: float) -> None:
     with pytest.raises(ValueError, match="cycles of the fastest motion"):
         chart(mathieu(), np.array([Omega]), np.array([0.0, eps]))

@@ -7,11 +7,13 @@ import pytest
 import scipy.linalg as sla
 from scipy.integrate import solve_ivp
 
-import floquet.engine.column
+import floquet.engine.multipliers
 from floquet import Kind, monodromy, stability_chart
-from floquet.engine.column import CLOSE, LEAST_STEPS, _measured, chart_batch
+from floquet.engine import MIN_STEPS_PER_CYCLE, chart_batch
+from floquet.engine.column import MEASUREMENT_REACH, _measured
 from floquet.engine.eigen.hessenberg import eigenvalues
 from periodic import PeriodicSystem
+from periodic.checks import ComplexArray, FloatArray
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu
 from plate import EdgeLoad, MovingPlate
 from tests.floquet.oracle_systems import random_system
@@ -24,7 +26,7 @@ STANDARD = MovingPlate(load=EdgeLoad.partial(0.5), inplane="static").at(40.0)
 DAMPED = MovingPlate(load=EdgeLoad.partial(0.5), inplane="static", damping=0.002).at(40.0)
 
 
-def log_modulus(system, Omega, eps):
+def log_modulus(system: PeriodicSystem, Omega: float, eps: float) -> float:
     """log|mu| of the dominant multiplier by SciPy's DOP853."""
     n = system.size
     constant, *varying = (
@@ -32,7 +34,7 @@ def log_modulus(system, Omega, eps):
         for S in (np.hstack([system.stiffness, system.gyroscopic + system.damping]), *system.cosine, *system.sine)
     )
 
-    def rate(t, y):
+    def rate(t: float, y: FloatArray) -> FloatArray:
         Y = y.reshape(2 * n, 2 * n)
         acceleration = -constant @ Y
         for j in range(system.harmonics):
@@ -46,7 +48,7 @@ def log_modulus(system, Omega, eps):
     return float(np.log(np.abs(np.linalg.eigvals(end.y[:, -1].reshape(2 * n, 2 * n))).max()))
 
 
-def assert_no_false_verdict(system, Omega, eps, cells, seed):
+def assert_no_false_verdict(system: PeriodicSystem, Omega: FloatArray, eps: FloatArray, cells: int, seed: int) -> int:
     """Integrate ``cells`` random cells of a chart once more; return how many of them are decided."""
     chart = stability_chart(system, Omega, eps, audit=0, progress=False)
     rng = np.random.default_rng(seed)
@@ -65,22 +67,22 @@ def assert_no_false_verdict(system, Omega, eps, cells, seed):
     return decided
 
 
-def plate_grid(rng):
+def plate_grid(rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
     return np.sort(rng.uniform(18, 85, 40)), np.sort(rng.uniform(0, 1.5, 40))
 
 
-def random_grid(rng):
+def random_grid(rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
     return np.sort(rng.uniform(0.5, 6, 12)), np.sort(rng.uniform(-1.5, 1.5, 12))
 
 
 @pytest.mark.parametrize("system", [STANDARD, DAMPED], ids=["elastic", "damped"])
-def test_no_false_verdict_on_the_plate(system):
+def test_no_false_verdict_on_the_plate(system: PeriodicSystem) -> None:
     cells = 25
     assert assert_no_false_verdict(system, *plate_grid(np.random.default_rng(1)), cells, 2) >= cells - 2
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_no_false_verdict_on_random_systems(seed):
+def test_no_false_verdict_on_random_systems(seed: int) -> None:
     system = random_system(seed, 2 + seed % 3, 1 + seed % 2, damping=0.1 * (seed % 2))
     cells = 25
     assert assert_no_false_verdict(system, *random_grid(np.random.default_rng(seed)), cells, seed) >= cells - 2
@@ -88,7 +90,7 @@ def test_no_false_verdict_on_random_systems(seed):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("part", range(5))
-def test_no_false_verdict_on_two_thousand_cells(part):
+def test_no_false_verdict_on_two_thousand_cells(part: int) -> None:
     rng = np.random.default_rng(100 + part)
     decided = assert_no_false_verdict(STANDARD, *plate_grid(rng), 200, part)
     for seed in range(10):
@@ -99,7 +101,7 @@ def test_no_false_verdict_on_two_thousand_cells(part):
     assert decided >= 390
 
 
-def honest(system, Omega, eps):
+def honest(system: PeriodicSystem, Omega: FloatArray, eps: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the errors of a chart and their estimates, after checking that none is more than three times larger."""
     chart = stability_chart(system, Omega, eps, audit=0, progress=False)
     errors, estimates = [], []
@@ -130,7 +132,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_errors_are_honest(case):
+def test_errors_are_honest(case: str) -> None:
     system, Omega, eps = CASES[case]
     errors, estimates = honest(system, np.linspace(*Omega, 7), np.linspace(*eps, 25))
     assert len(errors) >= 30
@@ -139,13 +141,13 @@ def test_errors_are_honest(case):
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_errors_of_columns_that_share_a_measurement_are_honest(case):
+def test_errors_of_columns_that_share_a_measurement_are_honest(case: str) -> None:
     system, (low, _), eps = CASES[case]
     errors, _ = honest(system, np.linspace(low, 1.08 * low, 8), np.linspace(*eps, 25))
     assert len(errors) >= 30
 
 
-def test_measured_columns():
+def test_measured_columns() -> None:
     assert _measured(np.array([3.0])) == [0]
     assert _measured(np.linspace(1, 1.09, 8)) == [0, 7]
     assert _measured(np.linspace(1, 8, 8)) == list(range(8))
@@ -155,10 +157,10 @@ def test_measured_columns():
     assert found[-1] == 7
     assert len(found) < 8
     for w in Omega:
-        assert (np.abs(Omega[found] / w - 1) <= CLOSE).any()
+        assert (np.abs(Omega[found] / w - 1) <= MEASUREMENT_REACH).any()
 
 
-def test_error_where_the_multiplier_is_small_in_a_large_matrix():
+def test_error_where_the_multiplier_is_small_in_a_large_matrix() -> None:
     # between two tongues |mu| falls from 13 to 1.2 within one step of eps, the norm and its error do not
     system = random_system(811504540, 1, symmetric=False)
     chart = stability_chart(system, [0.9964078170023314], np.linspace(0, 1, 10), audit=0, progress=False)
@@ -168,19 +170,19 @@ def test_error_where_the_multiplier_is_small_in_a_large_matrix():
     assert error < chart.error[8, 0]
 
 
-def test_an_eigenvalue_that_does_not_converge_leaves_its_cell_undecided(monkeypatch):
-    def lacking(samples, weights):
+def test_an_eigenvalue_that_does_not_converge_leaves_its_cell_undecided(monkeypatch: pytest.MonkeyPatch) -> None:
+    def lacking(samples: FloatArray, weights: FloatArray) -> ComplexArray:
         mu = eigenvalues(samples, weights)
         mu[3, 1] = np.nan
         return mu
 
-    monkeypatch.setattr(floquet.engine.column, "eigenvalues", lacking)
+    monkeypatch.setattr(floquet.engine.multipliers, "eigenvalues", lacking)
     chart = stability_chart(mathieu(1.0, 0.1), [1.3], np.linspace(0, 0.5, 12), audit=0, progress=False)
     assert chart.kind[3, 0] == Kind.UNDECIDED
     assert (np.delete(chart.kind[:, 0], 3) == Kind.STABLE).all()
 
 
-def test_step_size_resonance():
+def test_step_size_resonance() -> None:
     """With too few steps the fast modes are in resonance with the steps, not with the excitation, and look unstable."""
     system = MovingPlate(axial_terms=3, lateral_terms=4).at(40.0)
     Omega, eps = np.linspace(40, 75, 36), np.linspace(0, 1, 9)
@@ -191,8 +193,8 @@ def test_step_size_resonance():
     wrong = np.abs(few.growth_rate - chart.growth_rate) * period
     assert wrong[chart.kind == Kind.STABLE].max() > 0.1
     # ... and the rule keeps out of it, by a factor that leaves the resonance far behind
-    assert LEAST_STEPS >= 8
-    enough = chart_batch([system] * len(Omega), Omega, eps, LEAST_STEPS)
+    assert MIN_STEPS_PER_CYCLE >= 8
+    enough = chart_batch([system] * len(Omega), Omega, eps, MIN_STEPS_PER_CYCLE)
     right = np.abs(enough.growth_rate - chart.growth_rate) * period
     assert (right <= 3 * (enough.error + chart.error) + 1e-13).all()
     assert right.max() < 1e-5
@@ -202,7 +204,7 @@ def test_step_size_resonance():
         assert abs(chart.growth_rate[i, j] - exact) * period[j] <= 3 * chart.error[i, j] + 1e-13
 
 
-def test_fast_modes_far_above_the_excitation():
+def test_fast_modes_far_above_the_excitation() -> None:
     # the fast mode must be resolved although nothing happens to it: stiffness ratio 1e6
     system = PeriodicSystem(
         np.eye(2), np.zeros((2, 2)), np.zeros((2, 2)), np.diag([1.0, 1e6]), [[[1.0, 1.0], [1.0, 1e3]]]
@@ -216,7 +218,7 @@ def test_fast_modes_far_above_the_excitation():
     assert (chart.kind[4] > 0).tolist() == [False, False, True, True, True, False, False]
 
 
-def test_uniform_tension_makes_every_mode_a_mathieu_equation():
+def test_uniform_tension_makes_every_mode_a_mathieu_equation() -> None:
     # K diagonal in the modes and F = K: mode m is x'' + omega_m^2 (1 + eps cos) x = 0, whose chart is known by itself
     n = 4
     rotation = sla.qr(np.random.default_rng(0).standard_normal((n, n)))[0]

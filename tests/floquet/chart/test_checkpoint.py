@@ -19,11 +19,12 @@ from periodic.examples import coupled_mathieu, mathieu
 OMEGA, EPS = np.linspace(0.7, 5.0, 40), np.linspace(0.0, 1.0, 12)
 NAMES = ("growth_rate", "multiplier", "kind", "error")
 
-# Blocks slowed down, so that a kill falls between the first and the last of them.
+# Batches slowed down, so that a kill falls between the first and the last of them.
 CHILD = """
 import sys, time
 import numpy as np
-from floquet import chart, stability_chart
+from floquet import stability_chart
+from floquet.chart import chart
 from periodic.examples import coupled_mathieu
 whole = chart.chart_batch
 def slow(*arguments):
@@ -68,7 +69,7 @@ def test_a_second_call_computes_nothing(tmp_path: Path, counted: list[int]) -> N
     assert _same(plain, second)
 
 
-def test_another_input_is_another_block(tmp_path: Path, counted: list[int]) -> None:
+def test_another_input_is_another_tile(tmp_path: Path, counted: list[int]) -> None:
     _chart(cache=tmp_path)
     tiles = len(counted)
     stability_chart(mathieu(), OMEGA, EPS, n_jobs=1, progress=False, audit=0, cache=tmp_path)
@@ -82,7 +83,7 @@ def test_another_input_is_another_block(tmp_path: Path, counted: list[int]) -> N
 
 
 @pytest.mark.parametrize("damage", ["truncated", "flipped", "empty", "gone"])
-def test_a_damaged_block_is_noticed_and_computed_again(tmp_path: Path, counted: list[int], damage: str) -> None:
+def test_a_damaged_tile_is_noticed_and_computed_again(tmp_path: Path, counted: list[int], damage: str) -> None:
     whole = _chart(cache=tmp_path)
     tiles = len(counted)
     victim = sorted(tmp_path.glob("*.tile"))[1]
@@ -101,7 +102,7 @@ def test_a_damaged_block_is_noticed_and_computed_again(tmp_path: Path, counted: 
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="this system has no kill -9")
-def test_kill_nine_at_any_moment_loses_no_finished_block(tmp_path: Path, counted: list[int]) -> None:
+def test_kill_nine_at_any_moment_loses_no_finished_tile(tmp_path: Path, counted: list[int]) -> None:
     whole = _chart()
     tiles = len(counted)
     child = subprocess.Popen([sys.executable, "-c", CHILD, str(tmp_path)])

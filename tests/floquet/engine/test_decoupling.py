@@ -10,24 +10,25 @@ from hypothesis import strategies as st
 
 import floquet.engine.decoupling
 from floquet import stability_chart
-from floquet.engine.coordinates import equations, subsystems
+from floquet.engine import equations, subsystems
 from floquet.engine.decoupling import invariant_subspaces
 from periodic import PeriodicSystem
+from periodic.checks import FloatArray
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu
 from tests.floquet.oracle_systems import first_order, random_system
 
 some = settings(max_examples=20, deadline=None)
 
 
-def joined(*systems, seed=0):
+def joined(*systems: PeriodicSystem, seed: int = 0) -> PeriodicSystem:
     """One system made of independent ones, hidden by a random change of coordinates."""
     n = sum(s.size for s in systems)
     T = np.eye(n) + 0.5 * np.random.default_rng(seed).standard_normal((n, n)) / np.sqrt(n)
 
-    def direct_sum(name):
+    def direct_sum(name: str) -> FloatArray:
         return T.T @ sla.block_diag(*(getattr(s, name) for s in systems)) @ T
 
-    def harmonics(name):
+    def harmonics(name: str) -> list[FloatArray]:
         return [T.T @ sla.block_diag(*F) @ T for F in zip(*(getattr(s, name) for s in systems), strict=True)]
 
     constant = [direct_sum(name) for name in ("mass", "gyroscopic", "damping", "stiffness")]
@@ -37,7 +38,7 @@ def joined(*systems, seed=0):
 @some
 @example(218754, [3, 4], False)  # with one combination the two stay together
 @given(st.integers(0, 10**6), st.lists(st.integers(1, 4), min_size=1, max_size=3), st.booleans())
-def test_hidden_blocks_are_found(seed, sizes, symmetric):
+def test_hidden_subsystems_are_found(seed: int, sizes: list[int], symmetric: bool) -> None:
     parts = [random_system(seed + i, n, 2, symmetric=symmetric, damping=0.1) for i, n in enumerate(sizes)]
     found = sorted(len(subsystem.K) for subsystem in subsystems(joined(*parts, seed=seed)))
     assert found == sorted(sizes)
@@ -45,7 +46,7 @@ def test_hidden_blocks_are_found(seed, sizes, symmetric):
 
 @some
 @given(st.integers(0, 10**6), st.integers(1, 6))
-def test_bases_are_orthonormal_and_complete(seed, n):
+def test_bases_are_orthonormal_and_complete(seed: int, n: int) -> None:
     matrices = np.random.default_rng(seed).standard_normal((3, n, n))
     matrices[:, : n // 2, n // 2 :] = matrices[:, n // 2 :, : n // 2] = 0
     X = np.hstack(invariant_subspaces(matrices))
@@ -54,7 +55,7 @@ def test_bases_are_orthonormal_and_complete(seed, n):
 
 @some
 @given(st.integers(0, 10**6), st.lists(st.integers(1, 3), min_size=2, max_size=4))
-def test_blocks_of_a_family_keep_their_order(seed, sizes):
+def test_subsystems_of_a_family_keep_their_order(seed: int, sizes: list[int]) -> None:
     # members of a family differ in their excitation; the order of eigenvalues of a combination differs with it
     rng = np.random.default_rng(seed)
     turn = sla.qr(rng.standard_normal((sum(sizes), sum(sizes))))[0]
@@ -68,28 +69,28 @@ def test_blocks_of_a_family_keep_their_order(seed, sizes):
         np.testing.assert_allclose(X @ X.T, Y @ Y.T, atol=1e-10)
 
 
-def test_no_matrices_at_all():
+def test_no_matrices_at_all() -> None:
     assert [X.tolist() for X in invariant_subspaces(np.zeros((2, 2, 2)))] == [[[1.0], [0.0]], [[0.0], [1.0]]]
 
 
-def test_one_sided_coupling_keeps_blocks_together():
+def test_one_sided_coupling_keeps_subsystems_together() -> None:
     # no invariant complement is lost: an unsymmetric matrix couples both ways
     matrices = np.array([[[1.0, 0.3], [0.0, 2.0]], np.diag([1.0, 3.0])])
     assert len(invariant_subspaces(matrices)) == 1
 
 
 @pytest.mark.parametrize("coupling", [1e-2, 1e-5, 1e-9])
-def test_weak_couplings_are_couplings(coupling):
+def test_weak_couplings_are_couplings(coupling: float) -> None:
     matrices = np.array([np.diag([1.0, 2.0, 3.0]), np.diag([0.5, 0.1, 0.3])])
     matrices[0, 0, 1] = matrices[0, 1, 0] = coupling
     assert sorted(X.shape[1] for X in invariant_subspaces(matrices)) == [1, 2]
 
 
-def test_split_and_unsplit_agree(monkeypatch):
+def test_split_and_unsplit_agree(monkeypatch: pytest.MonkeyPatch) -> None:
     system = joined(random_system(5, 3, 2), random_system(6, 2, 2), mathieu_like(2))
     Omega, eps = np.linspace(1.0, 3.0, 6), np.linspace(0.0, 0.8, 9)
     split = stability_chart(system, Omega, eps, audit=0)
-    monkeypatch.setattr(floquet.engine.decoupling, "COUPLING", -1.0)
+    monkeypatch.setattr(floquet.engine.decoupling, "COUPLING_TOLERANCE", -1.0)
     subsystems.cache_clear()
     assert len(subsystems(system)) == 1
     whole = stability_chart(system, Omega, eps, audit=0)
@@ -100,7 +101,7 @@ def test_split_and_unsplit_agree(monkeypatch):
     assert decided.mean() > 0.9
 
 
-def mathieu_like(harmonics):
+def mathieu_like(harmonics: int) -> PeriodicSystem:
     """Mathieu's equation as a system of that many harmonics."""
     F = np.zeros((harmonics, 1, 1))
     F[0] = 1.0
@@ -109,7 +110,7 @@ def mathieu_like(harmonics):
 
 @some
 @given(st.integers(0, 10**6), st.integers(1, 4), st.booleans(), st.sampled_from([0.0, 0.4]))
-def test_free_motion_has_the_eigenvalues_of_the_system(seed, n, symmetric, damping):
+def test_free_motion_has_the_eigenvalues_of_the_system(seed: int, n: int, symmetric: bool, damping: float) -> None:
     system = random_system(seed, n, symmetric=symmetric, damping=damping)
     exact = first_order(system, 1.0, 0.0, 0.0)
     found = [equations(subsystem, 0.1).A for subsystem in subsystems(system)]
@@ -121,7 +122,7 @@ def test_free_motion_has_the_eigenvalues_of_the_system(seed, n, symmetric, dampi
     assert polynomial == pytest.approx(expected, abs=1e-11 * np.abs(expected).max())
 
 
-def test_energy_coordinates():
+def test_energy_coordinates() -> None:
     # conservative motion is a rotation, damping shrinks: A + A^T = -2 diag(0, C), with nothing left of the stiffness
     system = random_system(8, 4, damping=0.3)
     (subsystem,) = subsystems(
@@ -135,7 +136,7 @@ def test_energy_coordinates():
     np.testing.assert_allclose(free.A + free.A.T, expected, atol=1e-12)
 
 
-def test_canonical_coordinates():
+def test_canonical_coordinates() -> None:
     # the flow is Hamiltonian: J A is symmetric
     (subsystem,) = subsystems(random_system(9, 4))
     assert subsystem.symplectic
@@ -145,8 +146,8 @@ def test_canonical_coordinates():
     np.testing.assert_allclose(J @ A, (J @ A).T, atol=1e-12 * np.abs(A).max())
 
 
-def test_kinds_of_blocks():
-    def properties(system):
+def test_kinds_of_subsystems() -> None:
+    def properties(system: PeriodicSystem) -> list[tuple[bool, bool]]:
         return [(subsystem.symplectic, subsystem.reversible) for subsystem in subsystems(system)]
 
     assert properties(mathieu()) == [(True, True)]
@@ -155,12 +156,12 @@ def test_kinds_of_blocks():
     assert properties(gyroscopic_rotor()) == [(True, False)]
 
 
-def test_damping_of_one_block_leaves_the_other_conservative():
+def test_damping_of_one_subsystem_leaves_the_other_conservative() -> None:
     system = joined(mathieu(1.0), mathieu(2.0, damping=0.3))
     assert sorted(subsystem.symplectic for subsystem in subsystems(system)) == [False, True]
 
 
-def test_ill_conditioned_mass():
+def test_ill_conditioned_mass() -> None:
     # a change of coordinates with condition 1e4: mass with 1e8
     system = random_system(4, 3, damping=0.2)
     T = sla.qr(np.random.default_rng(1).standard_normal((3, 3)))[0] @ np.diag([1.0, 1e-2, 1e-4])

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from floquet.engine.coordinates import subsystems
+from floquet.engine import subsystems
 from floquet.regions.detuning import Nodes, Wide, home_of, scan_nodes
 from floquet.regions.exponents import Exponents
 from floquet.regions.scan import Modes, Scan

@@ -8,10 +8,17 @@ from scipy.optimize import brentq
 from scipy.special import mathieu_a, mathieu_b
 
 from floquet import monodromy
-from floquet.engine.column import log2_steps, multipliers
-from floquet.engine.coordinates import subsystems
-from floquet.engine.doubling.sampling import Sampler, Workspace
-from floquet.regions.exponents import Exponents, edge, follow, leading, modes, modes_symplectic, test_function
+from floquet.engine import Sampler, Workspace, log2_steps, spectra, subsystems
+from floquet.regions.exponents import (
+    Exponents,
+    edge,
+    follow,
+    leading,
+    modes,
+    modes_of,
+    modes_symplectic,
+    test_function,
+)
 from periodic.examples import mathieu
 
 test_function.__test__ = False  # type: ignore[attr-defined]  # the name that the literature has, no test
@@ -147,8 +154,7 @@ def test_an_edge_between_two_amplitudes(damping: float) -> None:
     system, Omega, eps = mathieu(damping=damping), 1.8, np.linspace(0, 1, 33)
     (subsystem,) = subsystems(system)
     sampler = Sampler.of(subsystem, Omega, Workspace())
-    mu, exponents, *_ = multipliers(sampler, eps, log2_steps(subsystem, Omega, eps, 64.0), 1e-11)
-    found = (modes_symplectic if subsystem.symplectic else modes)(mu, exponents)
+    found = modes_of(spectra(sampler, eps, log2_steps(subsystem, Omega, eps, 64.0), 1e-11))
     inside = int(np.flatnonzero((found.modulus + found.split).max(axis=1) > 1e-9)[0])
     low = edge(found, eps, inside - 1, inside, inside + 1, subsystem.symplectic)
     if damping == 0:

@@ -10,8 +10,7 @@ from scipy.optimize import brentq
 from scipy.special import mathieu_a, mathieu_b
 
 from floquet import Kind, monodromy, stability_chart, trace_boundary
-from floquet.engine.column import Spectra, multipliers
-from floquet.engine.doubling.sampling import Sampler, Workspace
+from floquet.engine import Sampler, Spectra, Workspace, spectra
 from floquet.regions.scan import Scan
 from floquet.regions.tongues import Tongue, _Follower, trace_tongues
 from periodic import SystemFamily
@@ -126,9 +125,9 @@ def test_columns_of_few_errors_share_the_plans_of_their_doublings(monkeypatch: p
 
     def spied(sampler: Sampler, eps: FloatArray, L: int, error: float) -> Spectra:
         errors.append(error)
-        return multipliers(sampler, eps, L, error)
+        return spectra(sampler, eps, L, error)
 
-    monkeypatch.setattr("floquet.regions.tongues.multipliers", spied)
+    monkeypatch.setattr("floquet.regions.tongues.spectra", spied)
     found = tongues_of(mathieu(), (0.24, 1.1), (0.0, 0.3))
     assert len(errors) >= len(found) > 5
     assert len(set(errors)) == 2

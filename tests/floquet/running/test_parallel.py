@@ -16,9 +16,9 @@ from threadpoolctl import threadpool_info, threadpool_limits
 from tqdm import tqdm
 
 from floquet import StabilityChart, stability_chart, trace_regions
-from floquet.chart.checkpoint import TileStore
-from floquet.running.parallel import WAVE, gather, spread
-from floquet.running.threads import single_blas_thread
+from floquet.chart import TileStore
+from floquet.running import as_completed, gather, single_blas_thread
+from floquet.running.parallel import CALLS_PER_WAVE
 from periodic.examples import coupled_mathieu
 
 OMEGA, EPS = np.linspace(0.7, 5.0, 90), np.linspace(0.0, 1.0, 130)  # arrays of more than a kilobyte
@@ -73,7 +73,7 @@ def _blas_threads() -> int:
 @pytest.mark.parametrize("backend", ["threading", "loky", "multiprocessing"])
 def test_results_come_with_their_number(backend: str) -> None:
     with joblib.parallel_config(backend=backend):
-        found = dict(spread(_square, ((x,) for x in range(70)), 2))
+        found = dict(as_completed(_square, ((x,) for x in range(70)), 2))
     assert found == {x: x * x for x in range(70)}
     with tqdm(total=5, disable=True) as bar:
         assert gather(_square, [(x,) for x in range(5)], 1, bar) == [0, 1, 4, 9, 16]
@@ -85,7 +85,7 @@ def test_blas_has_one_thread_in_a_worker(backend: str) -> None:
     with threadpool_limits(limits=2, user_api="blas"):
         assert _blas_threads() == 2
         with joblib.parallel_config(backend=backend):
-            assert [threads for _, threads in spread(_blas_threads, [()] * 4, 2)] == [1, 1, 1, 1]
+            assert [threads for _, threads in as_completed(_blas_threads, [()] * 4, 2)] == [1, 1, 1, 1]
         assert _blas_threads() == 2
 
 
@@ -121,7 +121,7 @@ def test_arguments_are_read_as_the_work_goes_on() -> None:
         done.append(x)
 
     arguments = ((read.append(x) or x,) for x in range(500))  # type: ignore[func-returns-value]
-    assert len(dict(spread(call, arguments, 2))) == 500
+    assert len(dict(as_completed(call, arguments, 2))) == 500
     # two calls a worker are handed out in advance, and joblib reads as many as there are workers at a time
     assert max(ahead) <= 8
 
@@ -130,9 +130,9 @@ def test_multiprocessing_reads_a_wave_at_a_time() -> None:
     read: list[int] = []
     arguments = ((read.append(x) or x,) for x in range(100))  # type: ignore[func-returns-value]
     with joblib.parallel_config(backend="multiprocessing"):
-        results = spread(_square, arguments, 2)
+        results = as_completed(_square, arguments, 2)
         next(results)
-        assert len(read) == 2 * WAVE
+        assert len(read) == 2 * CALLS_PER_WAVE
         assert len(dict(results)) == 99
 
 
@@ -154,9 +154,9 @@ def test_dask_workers_that_die_change_no_bit(
         alive = sorted(client.run(os.getpid).values())
         save = TileStore.save
 
-        def save_and_kill(self: TileStore, path: Path, block: Any) -> None:
-            save(self, path, block)
-            if alive:  # in mid-run: one of twelve blocks has arrived, then two; nannies start new workers
+        def save_and_kill(self: TileStore, path: Path, tile: Any) -> None:
+            save(self, path, tile)
+            if alive:  # in mid-run: one of twelve tiles has arrived, then two; nannies start new workers
                 os.kill(alive.pop(), signal.SIGKILL)
 
         monkeypatch.setattr(TileStore, "save", save_and_kill)

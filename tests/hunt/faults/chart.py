@@ -5,10 +5,17 @@ from tests.hunt.fault import Fault
 FAULTS = (
     Fault(
         "weakened step rule",
-        "floquet/engine/column.py",
-        "LEAST_STEPS = 16.0",
-        "LEAST_STEPS = 2.0",
+        "floquet/engine/steps.py",
+        "MIN_STEPS_PER_CYCLE = 16.0",
+        "MIN_STEPS_PER_CYCLE = 2.0",
         "floquet/chart/test_chart_oracle.py",
+    ),
+    Fault(
+        "the state of the code without its rooms",
+        "floquet/running/source.py",
+        '.rglob("*.py")',
+        '.glob("*.py")',
+        "floquet/running/test_source.py",
     ),
     Fault(
         "processor term dropped",
@@ -88,16 +95,16 @@ FAULTS = (
     Fault(
         "weak couplings are no couplings",
         "floquet/engine/decoupling.py",
-        "COUPLING = 1e-11",
-        "COUPLING = 1e-2",
+        "COUPLING_TOLERANCE = 1e-11",
+        "COUPLING_TOLERANCE = 1e-2",
         "floquet/engine/test_decoupling.py",
     ),
     Fault(
         "gap margin removed",
-        "floquet/engine/verdict.py",
-        "(found.gap > APART * np.sqrt(E))",
+        "floquet/engine/stability.py",
+        "(found.gap > SAFE_GAP * np.sqrt(E))",
         "(found.gap >= 0)",
-        "floquet/engine/test_verdict.py",
+        "floquet/engine/test_stability.py",
     ),
     Fault(
         "eigenvectors that become parallel are no warning",
@@ -122,7 +129,7 @@ FAULTS = (
     ),
     Fault(
         "an eigenvalue that did not converge is not missed",
-        "floquet/engine/column.py",
+        "floquet/engine/multipliers.py",
         "losses[c] = np.inf",
         "losses[c] = 1.0",
         "floquet/chart/test_chart_oracle.py",
@@ -138,7 +145,7 @@ FAULTS = (
     Fault(
         "row and column of the rotation reflected twice",
         "floquet/engine/eigen/symplectic.py",
-        "store(x, row, r, spread(0.0))",
+        "store(x, row, r, broadcast(0.0))",
         "store(x, row, r, load(x, row, r))",
         "floquet/engine/eigen/test_hessenberg.py",
         compiled=True,
@@ -152,10 +159,10 @@ FAULTS = (
     ),
     Fault(
         "undecided counted as stable",
-        "floquet/engine/verdict.py",
+        "floquet/engine/stability.py",
         "np.where(log_modulus < -error, Kind.STABLE",
         "np.where(log_modulus < error, Kind.STABLE",
-        "floquet/engine/test_verdict.py",
+        "floquet/engine/test_stability.py",
     ),
     Fault(
         "audit disabled",

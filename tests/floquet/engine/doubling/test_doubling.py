@@ -3,30 +3,33 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
 import scipy.linalg as sla
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import ArrayLike
 from scipy.special import iv
 
 import floquet.engine.doubling.sampling
 from floquet import monodromy
-from floquet.engine.column import STEP_ROUNDINGS
-from floquet.engine.coordinates import equations, subsystems
+from floquet.engine import Sampler, Subsystem, Workspace, equations, subsystems
+from floquet.engine.column import ROUNDINGS_PER_STEP
 from floquet.engine.doubling.doubling import doublings, unit_scale
 from floquet.engine.doubling.interpolation import chebyshev_points, chebyshev_weights, degree, trigonometric_weights
-from floquet.engine.doubling.sampling import Sampler, Workspace
-from floquet.engine.doubling.schedule import TOLERANCE, growth, schedule
+from floquet.engine.doubling.schedule import INTERPOLATION_TOLERANCE, Schedule, growth_bounds, schedule
 from floquet.engine.doubling.step import exponential, single_steps
+from periodic import PeriodicSystem
+from periodic.checks import FloatArray
 from periodic.examples import mathieu
 from tests.floquet.oracle_systems import random_system
 
 some = settings(max_examples=20, deadline=None)
 
 
-def steps(subsystem, Omega, eps, N, phases=None):
+def steps(subsystem: Subsystem, Omega: float, eps: float, N: int, phases: int | None = None) -> FloatArray:
     """The single steps of a subsystem at ``phases`` (default: all N) phases, and amplitude ``eps``."""
     free = equations(subsystem, 0.01)
     size = len(free.A)
@@ -37,7 +40,7 @@ def steps(subsystem, Omega, eps, N, phases=None):
     return P
 
 
-def ordered(factors):
+def ordered(factors: FloatArray) -> FloatArray:
     """Product of matrices, the first one first in time, thus rightmost."""
     total = np.eye(factors.shape[-1])
     for factor in factors:
@@ -45,8 +48,10 @@ def ordered(factors):
     return total
 
 
-def sampled(subsystem, Omega, eps, L, tolerance=TOLERANCE):
-    """Monodromy matrices of a subsystem at ``eps`` from the panels of a `Sampler`."""
+def sampled(
+    subsystem: Subsystem, Omega: float, eps: ArrayLike, L: int, tolerance: float = INTERPOLATION_TOLERANCE
+) -> FloatArray:
+    """Monodromy matrices of a subsystem at ``eps`` from the pieces of a `Sampler`."""
     sampler = Sampler(subsystem, equations(subsystem, 0.01), Omega, Workspace())
     return sampler.matrices(np.asarray(eps), L, tolerance)
 
@@ -56,20 +61,20 @@ def sampled(subsystem, Omega, eps, L, tolerance=TOLERANCE):
 
 @pytest.mark.kernel
 @pytest.mark.parametrize("size", [0.0, 0.1, 3.0, 50.0])
-def test_exponential(size):
+def test_exponential(size: float) -> None:
     A = np.random.default_rng(0).standard_normal((4, 4))
     A = size * (A - A.T) / 4  # skew: well-conditioned for every size
     assert exponential(A) == pytest.approx(sla.expm(A), abs=1e-14 * (1 + size))
 
 
 @pytest.mark.kernel
-def test_a_step_without_excitation_is_exact():
+def test_a_step_without_excitation_is_exact() -> None:
     subsystem = subsystems(random_system(1, 3, damping=0.3))[0]
     step = steps(subsystem, 2.0, 0.0, 8, 1)[0]
     assert step == pytest.approx(sla.expm(equations(subsystem, 0.01).A * 2 * np.pi / 2.0 / 8), abs=1e-13)
 
 
-def test_steps_keep_the_volume_of_liouville():
+def test_steps_keep_the_volume_of_liouville() -> None:
     # det of a kick is 1, so that det P = exp(-h tr C) for every step
     subsystem = subsystems(random_system(2, 3, 2, damping=0.5))[0]
     expected = math.exp(-np.trace(subsystem.C) * 2 * np.pi / 1.3 / 16)
@@ -77,7 +82,7 @@ def test_steps_keep_the_volume_of_liouville():
         assert np.linalg.det(step) == pytest.approx(expected, rel=1e-13)
 
 
-def test_steps_are_symplectic():
+def test_steps_are_symplectic() -> None:
     subsystem = subsystems(random_system(3, 4, 2))[0]
     assert subsystem.symplectic
     b = len(subsystem.K)
@@ -86,14 +91,14 @@ def test_steps_are_symplectic():
         assert step.T @ J @ step == pytest.approx(J, abs=1e-13 * np.linalg.norm(step) ** 2)
 
 
-def trace_error(system, Omega, eps, N):
+def trace_error(system: PeriodicSystem, Omega: float, eps: float, N: int) -> float:
     """Error of the sum of the multipliers; smooth in h and eps also where multipliers coalesce."""
     subsystem = subsystems(system)[0]
     return abs(np.trace(ordered(steps(subsystem, Omega, eps, N))) - np.trace(monodromy(system, Omega, eps).matrix))
 
 
 @pytest.mark.parametrize("seed", [11, 12])
-def test_fourth_order_in_the_step(seed):
+def test_fourth_order_in_the_step(seed: int) -> None:
     system = random_system(seed, 2, 2, damping=0.1)
     N = np.array([64, 128, 256])
     errors = [trace_error(system, 1.1, 0.7, n) for n in N]
@@ -101,7 +106,7 @@ def test_fourth_order_in_the_step(seed):
     assert slopes == pytest.approx(4, abs=0.1)
 
 
-def test_second_order_in_the_amplitude():
+def test_second_order_in_the_amplitude() -> None:
     system = random_system(11, 2, 2, damping=0.1)
     eps = np.array([0.02, 0.04, 0.08])
     slopes = np.diff(np.log2([trace_error(system, 1.1, e, 16) for e in eps]))
@@ -112,7 +117,7 @@ def test_second_order_in_the_amplitude():
 
 
 @pytest.mark.parametrize("x", [1e-4, 0.1, 1.0, 7.0])
-def test_degree_bounds_the_coefficients(x):
+def test_degree_bounds_the_coefficients(x: float) -> None:
     # the Fourier coefficients of exp(x cos z) are the Bessel functions I_q(x)
     for tolerance in (1e-6, 1e-12):
         q = degree((x,), tolerance)
@@ -121,7 +126,7 @@ def test_degree_bounds_the_coefficients(x):
         assert 2 * iv(q - 2, x) > tolerance or q <= 3
 
 
-def test_degree_of_several_harmonics():
+def test_degree_of_several_harmonics() -> None:
     x = (0.5, 0.3, 0.2)
     z = 2 * np.pi * np.arange(256) / 256
     coefficients = np.abs(np.fft.rfft(np.exp(sum(a * np.cos((j + 1) * z) for j, a in enumerate(x))))) / 128
@@ -131,14 +136,14 @@ def test_degree_of_several_harmonics():
 
 
 @pytest.mark.parametrize("m", [1, 2, 7])
-def test_chebyshev_weights_reproduce_polynomials(m):
+def test_chebyshev_weights_reproduce_polynomials(m: int) -> None:
     x = np.linspace(-1, 1, 5)
     for power in range(m):
         assert chebyshev_weights(m, x) @ chebyshev_points(m) ** power == pytest.approx(x**power, abs=1e-14)
 
 
 @pytest.mark.parametrize("p", [1, 3, 9, 501])
-def test_trigonometric_weights_reproduce_harmonics(p):
+def test_trigonometric_weights_reproduce_harmonics(p: int) -> None:
     grid, theta = 2 * np.pi * np.arange(p) / p, np.array([0.0, 0.1, 2.0, 2 * np.pi / p])
     for q in {*range(min(p // 2 + 1, 9)), p // 2}:
         for wave in (np.cos, np.sin):
@@ -159,22 +164,24 @@ CHARTS = [
 NODES = 25
 
 
-def planned(x, lowest, levels):
+def planned(x: tuple[float, ...], lowest: float, levels: int) -> tuple[Schedule, FloatArray]:
     """A plan that ends with the monodromy matrices at Chebyshev points of lowest <= eps <= 1, and these points."""
     points = (1 + lowest) / 2 + (1 - lowest) / 2 * chebyshev_points(NODES)
     across = sum(x) * (1 - lowest) / 2
-    return schedule(x, across, (points / points[0]).tobytes(), 1, 1, levels, TOLERANCE), points
+    return schedule(x, across, (points / points[0]).tobytes(), 1, 1, levels, INTERPOLATION_TOLERANCE), points
 
 
-def doubled(plan, values):
+def doubled(plan: Schedule, values: FloatArray) -> FloatArray:
     """What becomes of matrices (s, N, N) at the beginning of a plan."""
     N = values.shape[-1]
-    work = (np.zeros(plan.most * N * N), np.zeros(plan.most * N * N))
+    work = (np.zeros(plan.max_matrices * N * N), np.zeros(plan.max_matrices * N * N))
     work[0][: values.size] = values.ravel()
     return doublings(N, plan, unit_scale(1), work)
 
 
-def scalar_growth(x, theta, eps, span, phases):
+def scalar_growth(
+    x: tuple[float, ...], theta: FloatArray, eps: FloatArray, span: float, phases: FloatArray
+) -> FloatArray:
     """exp of the integral of eps sum_j x_j cos(j t + phase_j) / (2 pi) over a part ``span`` of the period from theta: a
     product of steps for a system of one coordinate, whose factors commute."""
     total = np.zeros_like(theta)
@@ -185,7 +192,7 @@ def scalar_growth(x, theta, eps, span, phases):
 
 @pytest.mark.kernel
 @pytest.mark.parametrize(("x", "lowest"), CHARTS)
-def test_samples_are_enough(x, lowest):
+def test_samples_are_enough(x: tuple[float, ...], lowest: float) -> None:
     levels, phases = 8, np.arange(len(x)) + 0.4
     plan, points = planned(x, lowest, levels)
     some = scalar_growth(x, plan.theta, plan.eps * points[0], 2 * np.pi / 2**levels, phases)
@@ -196,7 +203,7 @@ def test_samples_are_enough(x, lowest):
 
 @pytest.mark.kernel
 @pytest.mark.parametrize(("x", "lowest"), CHARTS)
-def test_rounding_errors_do_not_grow_by_interpolation(x, lowest):
+def test_rounding_errors_do_not_grow_by_interpolation(x: tuple[float, ...], lowest: float) -> None:
     # [[1, d], [0, 1]]: products add the d, an error at each sample in turn
     plan, _ = planned(x, lowest, 8)
     ways = []
@@ -208,7 +215,7 @@ def test_rounding_errors_do_not_grow_by_interpolation(x, lowest):
 
 
 @pytest.mark.kernel
-def test_a_single_harmonic_needs_fewer_samples_than_a_grid():
+def test_a_single_harmonic_needs_fewer_samples_than_a_grid() -> None:
     levels, x = 9, 2.0
     single, _ = planned((x,), 0.0, levels)
     several, _ = planned((x, 1e-9), 0.0, levels)
@@ -217,10 +224,10 @@ def test_a_single_harmonic_needs_fewer_samples_than_a_grid():
     assert single.sizes[:-1].sum() < 0.6 * several.sizes[:-1].sum()
 
 
-def test_growth_is_rounded_up():
+def test_growth_is_rounded_up() -> None:
     for strength in ((3.0,), (3.0, 0.01, 1.0)):
         for size in (0.0, 0.013, 7.7):
-            x = growth(strength, size)
+            x = growth_bounds(strength, size)
             assert all(bound >= size * rate for bound, rate in zip(x, strength, strict=True))
             assert sum(x) <= size * (sum(strength) * 2**0.25 * (1 + len(x) / 16))
 
@@ -230,32 +237,32 @@ def test_growth_is_rounded_up():
 
 @some
 @given(st.integers(0, 10**6), st.integers(1, 3), st.integers(1, 4), st.booleans(), st.floats(0.5, 6.0))
-def test_doubling_is_the_ordered_product(seed, n, harmonics, damped, Omega):
+def test_doubling_is_the_ordered_product(seed: int, n: int, harmonics: int, damped: bool, Omega: float) -> None:
     system = random_system(seed, n, harmonics, damping=0.2 * damped)
     eps, L = np.linspace(-0.4, 1.0, 40), 7
     for subsystem in subsystems(system):
         found = sampled(subsystem, Omega, eps, L)
         for i in (0, 11, 39):
             expected = ordered(steps(subsystem, Omega, eps[i], 2**L))
-            # 2^L roundings, magnified by the growth that panels are allowed, and the interpolation
+            # 2^L roundings, magnified by the growth that pieces are allowed, and the interpolation
             assert np.linalg.norm(found[i] - expected) < 1e-10 * np.linalg.norm(expected)
 
 
 @pytest.mark.kernel
-def test_doubling_a_single_phase():
+def test_doubling_a_single_phase() -> None:
     # constant coefficients: one phase, one amplitude, repeated squaring
-    plan = schedule((0.0,), 0.0, np.ones(1).tobytes(), 1, 1, 3, TOLERANCE)
+    plan = schedule((0.0,), 0.0, np.ones(1).tobytes(), 1, 1, 3, INTERPOLATION_TOLERANCE)
     assert plan.sizes.tolist() == [1, 1, 1, 1]
     P = sla.expm([[0.0, 0.1], [-0.1, 0.0]])
     assert doubled(plan, P[None])[0] == pytest.approx(np.linalg.matrix_power(P, 8), abs=1e-14)
 
 
 @pytest.mark.parametrize("entries", [2**22, 300, 40])
-def test_little_memory_changes_nothing(monkeypatch, entries):
+def test_little_memory_changes_nothing(monkeypatch: pytest.MonkeyPatch, entries: int) -> None:
     # with room for a few matrices only, cells are done one by one, and the end of the period factor by factor
     subsystem = subsystems(mathieu(1.0, 0.01))[0]
     eps = np.linspace(0.0, 3.0, 5)
-    monkeypatch.setattr(floquet.engine.doubling.sampling, "MOST_ENTRIES", entries)
+    monkeypatch.setattr(floquet.engine.doubling.sampling, "MAX_SAMPLE_ENTRIES", entries)
     found = sampled(subsystem, 0.1, eps, 10)
     expected = [ordered(steps(subsystem, 0.1, e, 2**10)) for e in eps]
     for one, other in zip(found, expected, strict=True):
@@ -263,40 +270,42 @@ def test_little_memory_changes_nothing(monkeypatch, entries):
 
 
 @pytest.mark.parametrize("x", [(0.01,), (10.0,), (0.5, 0.3), (3.0, 1.0, 1.0)])
-def test_interpolation_is_exact_for_constants(x):
+def test_interpolation_is_exact_for_constants(x: tuple[float, ...]) -> None:
     # what a constant is off adds up from step to step; without care it is 10 to 30 units
-    plan = schedule(x, x[0], np.linspace(-1, 1, 9).tobytes(), 1, 1, 10, TOLERANCE)
+    plan = schedule(x, x[0], np.linspace(-1, 1, 9).tobytes(), 1, 1, 10, INTERPOLATION_TOLERANCE)
     for weights in interpolations(plan):
         assert max(abs(math.fsum(row) - 1) for row in weights) < 8 * np.finfo(float).eps
     shear = np.broadcast_to([[1.0, 2.0**-20], [0.0, 1.0]], (plan.sizes[0], 2, 2))  # its products have no rounding
     for found in doubled(plan, shear):
-        assert abs(np.diag(found) - 1).max() < STEP_ROUNDINGS * 2**10 * np.finfo(float).eps
+        assert abs(np.diag(found) - 1).max() < ROUNDINGS_PER_STEP * 2**10 * np.finfo(float).eps
 
 
-def interpolations(plan):
+def interpolations(plan: Schedule) -> Iterator[FloatArray]:
     """The matrices of weights of a schedule, one after the other."""
     done = 0
-    for phases, nodes, groups, others in zip(plan.phases, plan.nodes, plan.groups, plan.others, strict=False):
-        for rows, columns in ((groups * (groups != nodes), nodes), (others, phases)):
+    parts = (plan.phases, plan.amplitudes, plan.needed_amplitudes, plan.added_phases)
+    for phases, amplitudes, needed, added in zip(*parts, strict=False):
+        for rows, columns in ((needed * (needed != amplitudes), amplitudes), (added, phases)):
             if rows:
                 yield plan.weights[done : done + rows * columns].reshape(rows, columns)
                 done += rows * columns
     assert done == len(plan.weights)
 
 
-def test_growth_beyond_the_largest_float():
+def test_growth_beyond_the_largest_float() -> None:
     # a saddle: log|mu| = sqrt(k) T = 2000 pi, hundreds of decimal orders more than a float holds
     subsystem = subsystems(mathieu(-1.0))[0]
-    (panel,) = Sampler(subsystem, equations(subsystem, 0.01), 1e-3, Workspace()).panels(np.array([0.0]), 16, TOLERANCE)
-    mu = np.abs(np.linalg.eigvals(panel.samples[0])).max()
-    assert np.log(mu) + panel.scale.exponents[0] * math.log(2) == pytest.approx(2000 * math.pi, rel=1e-10)
+    sampler = Sampler(subsystem, equations(subsystem, 0.01), 1e-3, Workspace())
+    (piece,) = sampler.pieces(np.array([0.0]), 16, INTERPOLATION_TOLERANCE)
+    mu = np.abs(np.linalg.eigvals(piece.samples[0])).max()
+    assert np.log(mu) + piece.scale.exponents[0] * math.log(2) == pytest.approx(2000 * math.pi, rel=1e-10)
 
 
-def test_cancellation_is_noted():
+def test_cancellation_is_noted() -> None:
     # rotations lose nothing; growth in one half of the period against decay in the other does
     turn = sla.expm([[0.0, 0.3], [-0.3, 0.0]])
     saddle = np.diag([1e4, 1e-4])
-    plan = schedule((np.inf,), 0.0, np.ones(1).tobytes(), 1, 1, 1, TOLERANCE)  # both halves as they are
+    plan = schedule((np.inf,), 0.0, np.ones(1).tobytes(), 1, 1, 1, INTERPOLATION_TOLERANCE)  # both halves as they are
     losses = []
     for first, second in ((turn, turn), (saddle, np.linalg.inv(saddle))):
         scale, work = unit_scale(1), (np.concatenate([first.ravel(), second.ravel()]), np.empty(8))

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 import floquet.engine.doubling.memo
-from floquet.engine.doubling.memo import kept
+from floquet.engine.doubling.memo import memoized
 
 
 def test_a_result_is_computed_once() -> None:
     calls = []
 
-    @kept
+    @memoized
     def squares(n: int) -> tuple[np.ndarray, int] | None:
         calls.append(n)
         return (np.arange(n) ** 2, n) if n > 0 else None
@@ -26,12 +26,12 @@ def test_a_result_is_computed_once() -> None:
 def test_results_are_dropped_when_they_are_too_many(monkeypatch: pytest.MonkeyPatch) -> None:
     calls = []
 
-    @kept
+    @memoized
     def zeros(n: int) -> np.ndarray:
         calls.append(n)
         return np.zeros(1000 + n)
 
-    monkeypatch.setattr(floquet.engine.doubling.memo, "MOST_BYTES", 30_000)  # three of them
+    monkeypatch.setattr(floquet.engine.doubling.memo, "MAX_MEMO_BYTES", 30_000)  # three of them
     for n in (1, 2, 3, 3, 4, 4, 1):
         assert len(zeros(n)) == 1000 + n
     assert calls == [1, 2, 3, 4, 1]
