@@ -15,18 +15,30 @@ export OPENBLAS_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: validate test test-full benchmark docs lint clean
+.PHONY: validate test test-full benchmark docs lint interpreted kernels clean
 .DELETE_ON_ERROR:
 
 validate: .venv/.ready-run
 	$(BIN)/python scripts/validate.py $(ARGS)
 
-test: lint
-	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -m "kernel and not slow" -p no:cacheprovider
-	$(BIN)/python -m pytest -m "not slow" $(ARGS)
+# Pytest's workers share the cores. One of them must have compiled the kernels before, or all would, each for itself; as
+# compiling takes one core, the checks that compile nothing run beside it.
+PYTEST = $(BIN)/python -m pytest --numprocesses auto --dist worksteal
 
-test-full: lint
-	$(BIN)/python -m pytest --hypothesis-profile=default $(ARGS)
+test: .venv/.ready-test
+	@$(MAKE) --no-print-directory --jobs 2 kernels lint interpreted
+	$(PYTEST) -m "not slow" $(ARGS)
+
+test-full: .venv/.ready-test
+	@$(MAKE) --no-print-directory --jobs 2 kernels lint interpreted
+	$(PYTEST) --hypothesis-profile=default $(ARGS)
+
+kernels: .venv/.ready-test
+	@$(BIN)/python -m tests.warm
+
+# The kernels as plain Python, where an index out of bounds is an error.
+interpreted: .venv/.ready-test
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -m "kernel and not slow" -p no:cacheprovider
 
 lint: .venv/.ready-test
 	$(BIN)/ruff check .

@@ -32,24 +32,32 @@ def references() -> dict[str, Any]:
     return json.loads((Path(__file__).parent / "references.json").read_text())
 
 
-TABLES = pytest.StashKey[dict[str, list[dict[str, object]]]]()
+TABLE = "table"  # what a row of a table is called among the properties of a test's report
+ROWS: dict[str, list[dict[str, str]]] = {}
 
 
-@pytest.fixture(scope="session")
-def tabulate(pytestconfig: pytest.Config) -> Callable[..., None]:
+@pytest.fixture
+def tabulate(record_property: Callable[[str, object], None]) -> Callable[..., None]:
     """Give tests a function (title, **columns) that adds a row to a table at the end of the run's output."""
 
     def add(title: str, **columns: object) -> None:
-        pytestconfig.stash.setdefault(TABLES, {}).setdefault(title, []).append(columns)
+        record_property(TABLE, (title, {name: str(value) for name, value in columns.items()}))
 
     return add
 
 
-def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
-    """Print the tables that tests have filled, in Markdown."""
-    for title, rows in config.stash.get(TABLES, {}).items():
+def pytest_runtest_logreport(report: pytest.TestReport) -> None:
+    """Collect the rows: with several workers they come with the reports, to the process that prints."""
+    if report.when == "call":
+        for title, row in (value for name, value in report.user_properties if name == TABLE):
+            ROWS.setdefault(title, []).append(row)
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Print the tables that tests have filled, in Markdown, before pytest's closing line."""
+    for title, rows in ROWS.items():
         terminalreporter.section(title)
         terminalreporter.write_line(f"| {' | '.join(rows[0])} |")
         terminalreporter.write_line(f"|{'---|' * len(rows[0])}")
         for row in rows:
-            terminalreporter.write_line(f"| {' | '.join(map(str, row.values()))} |")
+            terminalreporter.write_line(f"| {' | '.join(row.values())} |")
