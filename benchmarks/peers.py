@@ -1,4 +1,4 @@
-"""What others would use to find multipliers at a point: the methods that `benchmarks.benchmark` times."""
+"""What others would use to find multipliers at a point: the methods that `benchmarks.methods` times."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ import scipy.linalg
 from periodic import PeriodicSystem
 from periodic.checks import FloatArray
 
-# Entries below this much of the largest are rounding left by the change of coordinates; leaving them out helps heyoka.
-NEGLIGIBLE = 1e-14
+# Entries below this part of the largest are rounding left by the change of coordinates. Leaving them out helps heyoka.
+NEGLIGIBLE_ENTRY = 1e-14
 # Doubles in the widest SIMD register that heyoka may use.
-LANES = 8
+MAX_HEYOKA_LANES = 8
 
 
 class Equations(NamedTuple):
@@ -65,7 +65,7 @@ def modal_equations(system: PeriodicSystem) -> Equations:
 
     def transformed(matrix: FloatArray) -> FloatArray:
         found = np.asarray(modes.T @ matrix @ modes)
-        found[np.abs(found) < NEGLIGIBLE * np.abs(found).max()] = 0.0
+        found[np.abs(found) < NEGLIGIBLE_ENTRY * np.abs(found).max()] = 0.0
         return np.ascontiguousarray(found)
 
     return Equations(
@@ -215,7 +215,7 @@ def heyoka_scalar(equations: Equations, tolerance: float) -> Solve:
 def heyoka_batch(equations: Equations, tolerance: float) -> Solve:
     """heyoka's Taylor integrator in batch mode: as many columns of the matrix at once as SIMD has lanes."""
     heyoka: Any = importlib.import_module("heyoka")
-    lanes = min(heyoka.recommended_simd_size(), LANES)
+    lanes = min(heyoka.recommended_simd_size(), MAX_HEYOKA_LANES)
     integrator = _taylor(equations, tolerance, lanes)
     size = 2 * len(equations.velocity)
 
@@ -266,16 +266,16 @@ def _taylor(equations: Equations, tolerance: float, lanes: int) -> Any:
     )
 
 
-RTOLS = tuple(10.0**-k for k in range(1, 14))
-# A factor of sqrt(2) in the number of steps in a period is one of 4 in the error.
-STEPS = tuple(float(round(2 ** (k / 2))) for k in range(10, 34))
-# heyoka bounds the remainder of each Taylor series; the order of the series follows from it.
-TOLERANCES = tuple(10.0**-k for k in range(1, 16))
+DOP853_TOLERANCES = tuple(10.0**-k for k in range(1, 14))
+# Steps in a period. A factor of sqrt(2) between them is one of 4 in the error.
+RUNGE_KUTTA_STEPS = tuple(float(round(2 ** (k / 2))) for k in range(10, 34))
+# Bounds of the remainder of each Taylor series, from which heyoka finds the order of the series.
+HEYOKA_TOLERANCES = tuple(10.0**-k for k in range(1, 16))
 PEERS = (
-    Peer("SciPy DOP853", "scipy", dop853, RTOLS),
-    Peer("Runge-Kutta 4, Numba", "numba", runge_kutta, STEPS),
-    Peer("CyRK DOP853", "CyRK", cyrk, RTOLS),
-    Peer("heyoka, scalar", "heyoka", heyoka_scalar, TOLERANCES),
-    Peer("heyoka, batch", "heyoka", heyoka_batch, TOLERANCES),
-    Peer("heyoka, batch, no zeros", "heyoka", heyoka_batch, TOLERANCES, mixed=True),
+    Peer("SciPy DOP853", "scipy", dop853, DOP853_TOLERANCES),
+    Peer("Runge-Kutta 4, Numba", "numba", runge_kutta, RUNGE_KUTTA_STEPS),
+    Peer("CyRK DOP853", "CyRK", cyrk, DOP853_TOLERANCES),
+    Peer("heyoka, scalar", "heyoka", heyoka_scalar, HEYOKA_TOLERANCES),
+    Peer("heyoka, batch", "heyoka", heyoka_batch, HEYOKA_TOLERANCES),
+    Peer("heyoka, batch, no zeros", "heyoka", heyoka_batch, HEYOKA_TOLERANCES, mixed=True),
 )

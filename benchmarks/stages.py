@@ -26,7 +26,8 @@ from floquet.running import single_blas_thread
 from periodic import SystemFamily
 from periodic.checks import ComplexArray, FloatArray
 
-PEAK_SIZE = 512  # rows of the matrices whose product shows the peak rate of BLAS
+# Rows of the matrices whose product shows the peak rate of BLAS.
+PEAK_SIZE = 512
 
 
 @dataclass(frozen=True)
@@ -98,19 +99,6 @@ def stages(family: SystemFamily, Omega: FloatArray, eps: FloatArray, every: int 
         least = [_least(stage, rounds) for stage in (sample, solve, whole, lambda: A @ A)]
     sampled, solved, all_of_it, product = least
     return Stages(sampled, solved - sampled, all_of_it - solved, operations, 2.0 * PEAK_SIZE**3 / product)
-
-
-def stages_table(found: dict[tuple[int, float], Stages]) -> str:
-    """Return the shares of the stages of each (n, damping) as a Markdown table."""
-    lines = [
-        "| n | damping | samples (doubling) | eigenvalues | the rest | products, GFLOP/s | of the peak |",
-        "|--:|--:|--:|--:|--:|--:|--:|",
-    ]
-    for (size, damping), s in found.items():
-        parts = np.array([s.sampling, s.eigenvalues, s.rest])
-        shares = " | ".join(f"{part:.0%}" for part in parts / parts.sum())
-        lines.append(f"| {size} | {damping:g} | {shares} | {s.rate / 1e9:.0f} | {s.rate / s.peak:.0%} |")
-    return "\n".join(lines)
 
 
 def _sampler(subsystem: Subsystem, Omega: float, eps: FloatArray, steps: float, work: Workspace) -> tuple[Sampler, int]:

@@ -29,7 +29,7 @@ from floquet_scripts import running
 from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import one_of
 
-EPILOG = f"""\
+EXPLORE_HELP = f"""\
 examples:
   scripts/explore.py                                   the standard plate; pictures and data go to output/
   scripts/explore.py --case cases/fig4.toml --variant "middle half" --eps 2
@@ -42,10 +42,10 @@ examples:
 Without --Omega and --eps the window is the case's, or for a system the one that shows the main regions of its three
 lowest modes. The exit status is 0 if everything was written and 2 if the input is wrong.
 
-{running.EPILOG}"""
+{running.STOPPED_RUNS_HELP}"""
 STANDARD_NAME, STANDARD_TITLE = "plate", "Standard plate: a/b = 1, ν = 0.3, V = 3, f₀ = 10"
-CHART_OPTIONS = ("points", "html", "netcdf", "no_regions")
-SWEEP_EPS, MOST_VALUES = 0.1, 1000
+OPTIONS_OF_CHARTS = ("points", "html", "netcdf", "no_regions")
+SWEEP_EPS, MAX_SWEEP_VALUES = 0.1, 1000
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +90,7 @@ def _explore(subject: Subject, options: argparse.Namespace, store: TileStore) ->
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        description=__doc__, epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter
+        description=__doc__, epilog=EXPLORE_HELP, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     what = parser.add_argument_group("what to explore (by default the standard plate)").add_mutually_exclusive_group()
     what.add_argument("--case", type=Path, metavar="FILE", help="a case file, as in cases/")
@@ -102,7 +102,7 @@ def _parser() -> argparse.ArgumentParser:
         "--eps", type=float, metavar="MAX", help="largest amplitude; with --sweep the one of the widths"
     )
     window.add_argument("--points", type=int, nargs=2, metavar=("COLUMNS", "ROWS"), help="resolution of the chart")
-    window.add_argument("--all-modes", action="store_true", help=running.ALL_MODES)
+    window.add_argument("--all-modes", action="store_true", help=running.ALL_MODES_HELP)
     window.add_argument("--order", type=int, choices=(1, 2), default=1, help="order of the analytic curves (1)")
     result = parser.add_argument_group("result")
     result.add_argument("--html", action="store_true", help="also one self-contained page (needs bokeh)")
@@ -120,7 +120,7 @@ def _check(options: argparse.Namespace) -> None:
     """Refuse options that would be left without effect."""
     if options.all_modes and not options.system:
         raise ValueError("--all-modes belongs to a system; add --system")
-    without_effect = {"serve": ("sweep", *CHART_OPTIONS), "sweep": ("Omega", *CHART_OPTIONS)}
+    without_effect = {"serve": ("sweep", *OPTIONS_OF_CHARTS), "sweep": ("Omega", *OPTIONS_OF_CHARTS)}
     for instead, others in without_effect.items():
         for other in others:
             if getattr(options, instead) and getattr(options, other):
@@ -227,11 +227,11 @@ def _sweep_values(text: str) -> tuple[str, np.ndarray]:
     name, _, numbers = text.partition("=")
     try:
         low, high, count = numbers.split(":")
-        values = np.linspace(float(low), float(high), min(int(count), MOST_VALUES + 1))
+        values = np.linspace(float(low), float(high), min(int(count), MAX_SWEEP_VALUES + 1))
     except ValueError:
         raise ValueError(f"--sweep {text!r} is not NAME=LOW:HIGH:COUNT; give for example speed=0:4.3:40") from None
-    if not 2 <= values.size <= MOST_VALUES:
-        raise ValueError(f"--sweep {text!r} asks for {count} values; give 2 to {MOST_VALUES}")
+    if not 2 <= values.size <= MAX_SWEEP_VALUES:
+        raise ValueError(f"--sweep {text!r} asks for {count} values; give 2 to {MAX_SWEEP_VALUES}")
     return name, values
 
 

@@ -14,11 +14,11 @@ from typing import Any, TextIO
 from compare.cluster import workers_at
 from floquet.chart import TileStore
 
-UNFINISHED = ".unfinished"
-ALL_MODES = "integrate every mode of a large model, also those far above the window, which takes much longer"
-EPILOG = f"""\
+UNFINISHED_FOLDER = ".unfinished"
+ALL_MODES_HELP = "integrate every mode of a large model, also those far above the window, which takes much longer"
+STOPPED_RUNS_HELP = f"""\
 A run that was stopped, by Ctrl-C, kill -9 or a power cut, goes on where it was if the same command is given again with
---resume: finished parts of charts are kept in {UNFINISHED} in the output folder until all is written. The results are
+--resume: finished parts of charts are kept in {UNFINISHED_FOLDER} in the output folder until all is written. The results are
 the same to the last bit. Traced boundaries are not kept but computed anew.
 """
 
@@ -64,17 +64,17 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--resume",
         nargs="?",
         type=Path,
-        const=Path(UNFINISHED),
+        const=Path(UNFINISHED_FOLDER),
         metavar="DIR",
-        help=f"go on where a stopped run was; DIR keeps the parts of charts, for good, instead of OUTPUT/{UNFINISHED}",
+        help=f"go on where a stopped run was; DIR keeps the parts of charts, for good, instead of OUTPUT/{UNFINISHED_FOLDER}",
     )
     running.add_argument("--no-progress", action="store_true", help="no progress bars")
 
 
 def run(name: str, options: argparse.Namespace, work: Callable[[TileStore], int]) -> int:
     """Return the exit status of ``work``, or 2 for wrong input and 130 for an interruption, each with a sentence."""
-    own = options.resume in (None, Path(UNFINISHED))
-    folder = options.output / UNFINISHED if own else options.resume
+    own = options.resume in (None, Path(UNFINISHED_FOLDER))
+    folder = options.output / UNFINISHED_FOLDER if own else options.resume
     store, status = None, None
     try:
         if own and any(folder.glob("*.tile")):

@@ -16,7 +16,7 @@ from compare.window import MODES_SHOWN
 from floquet.chart import TileStore
 from floquet_scripts import running
 
-EPILOG = f"""\
+VALIDATE_HELP = f"""\
 examples:
   scripts/validate.py                          every case in cases/ and the paper's claims, written to output/
   scripts/validate.py --case cases/fig2.toml   one case, no claims
@@ -33,7 +33,7 @@ The exit status is 0 if theory and integration agree everywhere, 1 if they do no
 a second integrator, 2 if the input is wrong.
 A claim of the paper that is contradicted, with counter-examples that integration confirms, is no disagreement.
 
-{running.EPILOG}"""
+{running.STOPPED_RUNS_HELP}"""
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -49,7 +49,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        description=__doc__, epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter
+        description=__doc__, epilog=VALIDATE_HELP, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     what = parser.add_argument_group("what to judge (by default every case in cases/, and the claims)")
     what.add_argument("--case", type=Path, action="append", default=[], metavar="FILE", help="a case file; repeatable")
@@ -66,7 +66,7 @@ def _parser() -> argparse.ArgumentParser:
     system.add_argument("--eps", type=float, metavar="MAX", help="largest amplitude of the chart")
     system.add_argument("--points", type=int, nargs=2, metavar=("COLUMNS", "ROWS"), help="of the chart (256 128)")
     system.add_argument("--modes", type=int, metavar="N", help="judge the regions between the N lowest modes (3)")
-    system.add_argument("--all-modes", action="store_true", help=running.ALL_MODES)
+    system.add_argument("--all-modes", action="store_true", help=running.ALL_MODES_HELP)
     result = parser.add_argument_group("result")
     result.add_argument("--output", type=Path, default=Path("output"), metavar="DIR", help="where to write (output)")
     result.add_argument("--quick", action="store_true", help="coarser charts, claims over a smaller range")

@@ -34,5 +34,9 @@ def test_tables_arrive_from_every_worker(workers: str, tmp_path: Path) -> None:
     assert run.returncode == 0, run.stdout + run.stderr
     *_, closing = lines = run.stdout.splitlines()
     assert "| n | square |" in lines
-    assert sorted(line for line in lines if line[:3] in ("| 1", "| 2", "| 3")) == ["| 1 | 1 |", "| 2 | 4 |", "| 3 | 9 |"]
+    assert sorted(line for line in lines if line[:3] in ("| 1", "| 2", "| 3")) == [
+        "| 1 | 1 |",
+        "| 2 | 4 |",
+        "| 3 | 9 |",
+    ]
     assert "3 passed" in closing

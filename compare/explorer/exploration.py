@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from compare.audit import audit_sentence
-from compare.explorer.outlines import LEVELS, draw_outlines
-from compare.files.cases import MOST_POINTS
+from compare.explorer.outlines import WIDTH_LEVELS, draw_outlines
+from compare.files.cases import MAX_CHART_POINTS
 from compare.pictures import overlay
 from compare.window import RIGID_FREQUENCY
 from floquet import Region, StabilityChart, stability_chart, trace_regions
@@ -23,9 +23,9 @@ from periodic.checks import interval, one_of, real_number, whole_number
 from perturb import TransitionCurve, transition_curves
 
 # Regions that start beside the window, by this part of its width, may lean into it.
-NEIGHBOURS = 0.25
+LEANING_PART = 0.25
 # Values of eps at which a curve is looked at to see whether it is open anywhere in the window.
-CURVE_POINTS = 65
+OPEN_TEST_POINTS = 65
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +99,7 @@ def _plain(region: Region) -> dict[str, Any]:
         "label": region.label,
         "explained": region.explained,
         "tip": list(region.tip),
-        "width": largest_width(region.outlines, LEVELS),
+        "width": largest_width(region.outlines, WIDTH_LEVELS),
         "outlines": outlines,
     }
 
@@ -150,7 +150,7 @@ def explore(
     window = interval("Omega_range", Omega_range, nonnegative=True)
     real_number("Omega_range[0]", window[0], positive=True)
     eps_max = real_number("eps_max", eps_max, positive=True)
-    columns, rows = (whole_number("points", number, least=2, most=MOST_POINTS) for number in points)
+    columns, rows = (whole_number("points", number, least=2, most=MAX_CHART_POINTS) for number in points)
     one_of("order", order, (1, 2))
     curves, remark = analytic_curves(family, window, eps_max, order)
     Omega, eps = np.linspace(*window, columns), np.linspace(0, eps_max, rows)
@@ -165,7 +165,7 @@ def analytic_curves(
 ) -> tuple[list[TransitionCurve], str]:
     """Return the curves open somewhere in the window, or none and a sentence that says why there is no theory."""
     low, high = window
-    beside = NEIGHBOURS * (high - low)
+    beside = LEANING_PART * (high - low)
     try:
         curves = transition_curves(family, (max(low - beside, 0.0), high + beside), order=order)
     except ValueError as error:  # the window has been checked: it is the system that the theory refuses
@@ -189,5 +189,5 @@ def _without_stiffness(system: PeriodicSystem) -> str:
 
 def _enters(curve: TransitionCurve, window: tuple[float, float], eps_max: float) -> bool:
     """Whether theory finds the region open, with a width, somewhere in the window."""
-    lower, upper = curve.edges(np.linspace(0, eps_max, CURVE_POINTS))
+    lower, upper = curve.edges(np.linspace(0, eps_max, OPEN_TEST_POINTS))
     return bool(((upper > lower) & (upper > window[0]) & (lower < window[1])).any())

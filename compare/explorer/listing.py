@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import ceil, log10
 
-from compare.explorer.outlines import LEVELS
+from compare.explorer.outlines import WIDTH_LEVELS
 from floquet import Region
 from floquet.boundary import Resonance
 from floquet.regions.outlines import largest_width
 
 # At large eps there are a hundred regions, most of them narrower than a line of the picture: these many fit a screen.
-MOST_LINES = 20
+MAX_REGION_LINES = 20
 # A wide region may unite dozens of resonances. Those of the lowest order, which are the strongest, are named.
-MOST_NAMES = 3
+MAX_RESONANCE_NAMES = 3
 # Tips are told to this part of the height of the window: below it are the errors of tracing.
-RESOLVED = 1e-4
+TIP_RESOLUTION = 1e-4
 
 
 def region_lines(regions: Sequence[Region], eps_max: float, file: str) -> list[str]:
@@ -30,9 +30,9 @@ def region_lines(regions: Sequence[Region], eps_max: float, file: str) -> list[s
     file : str
         Where all of them are to be found.
     """
-    widths = [largest_width(region.outlines, LEVELS) for region in regions]
+    widths = [largest_width(region.outlines, WIDTH_LEVELS) for region in regions]
     widest = sorted(range(len(regions)), key=lambda i: -widths[i])
-    shown, rest = sorted(widest[:MOST_LINES]), widest[MOST_LINES:]
+    shown, rest = sorted(widest[:MAX_REGION_LINES]), widest[MAX_REGION_LINES:]
     names = [_name(regions[i]) for i in shown]
     column = max(map(len, names), default=0)
     lines = [
@@ -49,13 +49,13 @@ def _by_order(region: Region) -> list[Resonance]:
 
 def _name(region: Region) -> str:
     names = [name.label for name in _by_order(region)]
-    more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
-    return ", ".join(names[:MOST_NAMES]) + more or "unexplained"
+    more = f" and {len(names) - MAX_RESONANCE_NAMES} more" if len(names) > MAX_RESONANCE_NAMES else ""
+    return ", ".join(names[:MAX_RESONANCE_NAMES]) + more or "unexplained"
 
 
 def _place(region: Region, width: float, eps_max: float) -> str:
     Omega, eps = region.tip
-    eps = round(eps, ceil(-log10(RESOLVED * eps_max)))
+    eps = round(eps, ceil(-log10(TIP_RESOLUTION * eps_max)))
     if eps == 0 and len(region.resonances) > 1:  # it stands on as many feet as it has names
         Omega = _by_order(region)[0].centre
     return f"from Ω = {Omega:.5g}, ε = {eps:.3g}, up to {width:.2g} wide"

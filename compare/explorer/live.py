@@ -39,13 +39,13 @@ logger = logging.getLogger(__name__)
 ADDRESS = "127.0.0.1"
 # Columns and rows of successive charts. The one before the finest that is expected within the budget answers a control,
 # since a change of the system can make a cell some times dearer; the rest follow while nothing changes.
-RESOLUTIONS = ((24, 12), (48, 24), (96, 48), (192, 96), (256, 128))
-FIRST_CHART_SECONDS = 0.6
+LIVE_RESOLUTIONS = ((24, 12), (48, 24), (96, 48), (192, 96), (256, 128))
+MAX_FIRST_CHART_SECONDS = 0.6
 # A chart is computed in strips of about this length, so that a control never waits long for what nobody needs any more.
-STRIP_SECONDS = 0.25
+MAX_PART_SECONDS = 0.25
 # How far the sliders reach, in multiples of what they start from, and the zoom.
-SPEED_REACH, TENSION_REACH, DAMPING_REACH, DAMPING_LEAST = 1.15, 3.0, 10.0, 0.002
-ZOOM_REACH, MOST_EPS, MOST_HARMONICS = 3.0, 10.0, 9
+SPEED_REACH, TENSION_REACH, DAMPING_REACH, MIN_DAMPING_REACH = 1.15, 3.0, 10.0, 0.002
+ZOOM_REACH, MAX_ZOOM_EPS, MAX_SLIDER_HARMONICS = 3.0, 10.0, 9
 HINT = "Click the chart for the multipliers and the solution there; zoom with a box to look closer."
 
 
@@ -91,7 +91,7 @@ class LivePage:
         self._page.frame(state.Omega, state.eps)
         # Further down a chart would take minutes, since periods grow long.
         self._page.figure.x_range.bounds = (state.Omega[0] / ZOOM_REACH, state.Omega[1] * ZOOM_REACH)
-        self._page.figure.y_range.bounds = (0.0, max(state.eps[1], MOST_EPS))
+        self._page.figure.y_range.bounds = (0.0, max(state.eps[1], MAX_ZOOM_EPS))
         self._page.figure.on_event(RangesUpdate, self._zoomed)
         self._page.figure.on_event(Tap, lambda event: self._choose(event.x, event.y))
         controls = _controls(state.source, self._set) if isinstance(state.source, Plate) else []
@@ -157,12 +157,12 @@ class LivePage:
             self._later(state, self._show, exploration, time.perf_counter() - start)
 
     def _finer_and_finer(self, state: State) -> Iterator[StabilityChart]:
-        expected = [self._seconds_a_cell * columns * rows for columns, rows in RESOLUTIONS]
-        first = max(sum(seconds <= FIRST_CHART_SECONDS for seconds in expected) - 2, 0)
-        for columns, rows in RESOLUTIONS[first:]:
+        expected = [self._seconds_a_cell * columns * rows for columns, rows in LIVE_RESOLUTIONS]
+        first = max(sum(seconds <= MAX_FIRST_CHART_SECONDS for seconds in expected) - 2, 0)
+        for columns, rows in LIVE_RESOLUTIONS[first:]:
             Omega, eps = np.linspace(*state.Omega, columns), np.linspace(*state.eps, rows)
             seconds = self._seconds_a_cell * columns * rows
-            parts = min(ceil(seconds / STRIP_SECONDS), columns) if seconds > 0 else 1
+            parts = min(ceil(seconds / MAX_PART_SECONDS), columns) if seconds > 0 else 1
             start = time.perf_counter()
             strips = []
             for part in np.array_split(Omega, parts):
@@ -182,7 +182,7 @@ class LivePage:
         chart = exploration.chart
         self._page.show(exploration)
         rows, columns = chart.kind.shape
-        finest = (columns, rows) == RESOLUTIONS[-1]
+        finest = (columns, rows) == LIVE_RESOLUTIONS[-1]
         progress = f"{columns} × {rows} points after {seconds:.2f} s{'' if finest else ', refining …'}"
         self._page.tell(" ".join(filter(None, (progress, exploration.remark))))
         if not self._chosen[0] > 0:
@@ -233,7 +233,7 @@ def _controls(plate: Plate, change: Callable[[str, Any], None]) -> list[LayoutDO
     now = current(plate)
     V_cr = plate.build().critical_speed()
     tension = TENSION_REACH * max(abs(now["tension"]), 1.0)
-    damping = max(DAMPING_REACH * now["damping"], DAMPING_LEAST)
+    damping = max(DAMPING_REACH * now["damping"], MIN_DAMPING_REACH)
     sliders = {
         "speed": ("speed V", 0.0, SPEED_REACH * V_cr, 0.01, "0.00"),
         "tension": ("tension f₀", min(0.0, now["tension"]), tension, tension / 300, "0.00"),
@@ -246,7 +246,7 @@ def _controls(plate: Plate, change: Callable[[str, Any], None]) -> list[LayoutDO
             0.05,
             "0.00",
         ),
-        "harmonics": ("harmonics", 1, max(MOST_HARMONICS, now["harmonics"]), 1, "0"),
+        "harmonics": ("harmonics", 1, max(MAX_SLIDER_HARMONICS, now["harmonics"]), 1, "0"),
     }
     waveform = Select(
         title="waveform",

@@ -14,12 +14,12 @@ from floquet import Region, StabilityChart
 from floquet.regions.outlines import Loop, largest_width
 from periodic.checks import FloatArray
 
-LINE_WIDTH = 1.0
+OUTLINE_POINTS = 1.0
 # An outline nowhere wider than this part of the window would look like a thick line: it is drawn as a faint one, since
 # a large eps has a hundred of them.
-NARROW = 1 / 300
-FAINT, FAINT_WIDTH = "#9a9a9a", 0.5
-LEVELS = 32  # at which the width is measured
+NARROW_PART = 1 / 300
+FAINT_COLOUR, FAINT_POINTS = "#9a9a9a", 0.5
+WIDTH_LEVELS = 32  # at which the width is measured
 
 
 def closed(values: FloatArray) -> FloatArray:
@@ -29,7 +29,7 @@ def closed(values: FloatArray) -> FloatArray:
 
 def is_narrow(loop: Loop, Omega_range: FloatArray) -> bool:
     """Return whether an outline in the window ``Omega_range`` is narrower than a line of the picture."""
-    return bool(largest_width([loop], LEVELS) < NARROW * (Omega_range[-1] - Omega_range[0]))
+    return bool(largest_width([loop], WIDTH_LEVELS) < NARROW_PART * (Omega_range[-1] - Omega_range[0]))
 
 
 def draw_outlines(figure: Figure, chart: StabilityChart, regions: Sequence[Region]) -> None:
@@ -41,10 +41,10 @@ def draw_outlines(figure: Figure, chart: StabilityChart, regions: Sequence[Regio
     handles = legend_handles(chart, traced=True, theory=theory)
     loops = [(loop, is_narrow(loop, chart.Omega)) for region in regions for loop in region.outlines]
     for loop, narrow in loops:
-        colour, width, order = (FAINT, FAINT_WIDTH, 2) if narrow else ("black", LINE_WIDTH, 3)
+        colour, width, order = (FAINT_COLOUR, FAINT_POINTS, 2) if narrow else ("black", OUTLINE_POINTS, 3)
         axes.plot(closed(loop.Omega), closed(loop.eps), color=colour, lw=width, zorder=order)
     if any(narrow for _, narrow in loops):
-        handles.append(Line2D([], [], color=FAINT, lw=2 * FAINT_WIDTH, label="traced, narrower than a line"))
+        handles.append(Line2D([], [], color=FAINT_COLOUR, lw=2 * FAINT_POINTS, label="traced, narrower than a line"))
     figure.legends[0].remove()
     with mpl.rc_context(STYLE):
         figure.legend(handles=handles, loc="outside lower center", ncols=3 if len(handles) > 4 else 4)

@@ -44,7 +44,7 @@ from compare.pictures import BLUE, GREEN, GREY, ORANGE, PURPLE
 from floquet import Kind
 
 SCRIPT = (Path(__file__).parent / "page.js").read_text(encoding="utf-8")
-STYLE = {"font-family": "system-ui, sans-serif", "font-size": "14px", "color": "#222"}
+TEXT_STYLE = {"font-family": "system-ui, sans-serif", "font-size": "14px", "color": "#222"}
 
 # From a blue that can be seen on white to a dark one, as in the printed overlays.
 GROWTH_PALETTE = tuple(reversed(Blues256[:220]))
@@ -57,8 +57,8 @@ KIND_NAMES = [
     (int(Kind.MINUS_ONE), "unstable, multiplier near −1"),
     (int(Kind.COMPLEX), "unstable, complex pair"),
 ]
-PERIODS = 10
-MOST_DECADES = 16  # circles around the unit circle, at |mu| = 10, 100, ...
+SOLUTION_PERIODS = 10
+MAX_CIRCLE_DECADES = 16  # circles around the unit circle, at |mu| = 10, 100, ...
 
 
 class Page:
@@ -79,9 +79,9 @@ class Page:
         self.labels = ColumnDataSource({"x": [], "y": [], "text": []}, name="labels")
         self.points = ColumnDataSource(point_data([]), name="points")
         heading = f"<b style='font-size:17px'>{escape(title)}</b>"
-        self.heading = Div(text=heading, styles=STYLE, margin=(8, 10, 0, 10))
-        self.message = Div(text="", styles=STYLE, margin=(0, 10, 0, 10), name="message")
-        self.facts = Div(text=hint, height=66, styles=STYLE, margin=(0, 10, 0, 10), name="facts")
+        self.heading = Div(text=heading, styles=TEXT_STYLE, margin=(8, 10, 0, 10))
+        self.message = Div(text="", styles=TEXT_STYLE, margin=(0, 10, 0, 10), name="message")
+        self.facts = Div(text=hint, height=66, styles=TEXT_STYLE, margin=(0, 10, 0, 10), name="facts")
         self.figure = self._chart()
         self._draw = self._details()
 
@@ -237,7 +237,7 @@ class Page:
         self._circle.grid.visible = False
         angle = np.linspace(0, 2 * np.pi, 181)
         x, y = np.cos(angle), np.sin(angle)
-        decades = range(2, MOST_DECADES + 2)
+        decades = range(2, MAX_CIRCLE_DECADES + 2)
         self._circle.multi_line([k * x for k in decades], [k * y for k in decades], line_color="#ccc")
         self._circle.line(x, y, line_color="#444", line_width=1.2)
         multipliers = ColumnDataSource({"x": [], "y": [], "colour": [], "value": [], "modulus": []}, name="multipliers")
@@ -247,7 +247,7 @@ class Page:
         self._circle.add_tools(HoverTool(renderers=[dots], tooltips=[("μ", "@value"), ("|μ|", "@modulus{0.00000}")]))
         self._wave = figure(
             width=420, height=240, title="solution over ten periods", tools="", toolbar_location=None,
-            x_range=Range1d(0, PERIODS), y_range=Range1d(-1, 1),
+            x_range=Range1d(0, SOLUTION_PERIODS), y_range=Range1d(-1, 1),
             x_axis_label="t / T", y_axis_label="amplitude, asinh scale",
         )  # fmt: skip
         self._wave.grid.grid_line_color = "#eee"
@@ -270,5 +270,5 @@ class Page:
             "facts": self.facts,
             "names": KIND_NAMES,
             "colours": [BLUE, ORANGE],
-            "periods": PERIODS,
+            "periods": SOLUTION_PERIODS,
         }

@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.explorer.outlines import FAINT, FAINT_WIDTH, closed, is_narrow
+from compare.explorer.outlines import FAINT_COLOUR, FAINT_POINTS, closed, is_narrow
 from compare.explorer.response import Response
 from floquet import Kind, Region, StabilityChart
 from perturb import TransitionCurve
 
 UNEXPLAINED = "no resonance explains it"
-CURVE_POINTS = 121
+PAGE_CURVE_POINTS = 121
 # A label takes this part of the window's width; regions narrower than the other part get none, nor those that find no
 # place on these lines (the curve under the pointer tells its name).
-LABEL_WIDTH, LEAST_WIDTH, LABEL_LINES = 0.065, 1 / 400, 4
+LABEL_PART, MIN_LABELLED_PART, LABEL_LINES = 0.065, 1 / 400, 4
 
 
 def cell_data(chart: StabilityChart | None) -> dict[str, Any]:
@@ -43,7 +43,7 @@ def curve_data(curves: Sequence[TransitionCurve], chart: StabilityChart) -> dict
     """Return both edges of every analytic region, with gaps where it is closed."""
     eps_max = float(chart.eps[-1])
     # crowded towards each tip, where a damped region turns
-    share = np.linspace(0, 1, CURVE_POINTS) ** 2
+    share = np.linspace(0, 1, PAGE_CURVE_POINTS) ** 2
     xs, ys, names = [], [], []
     for curve in curves:
         start = curve.tip if 0 < curve.tip < eps_max else 0.0
@@ -63,19 +63,19 @@ def outline_data(regions: Sequence[Region], chart: StabilityChart) -> dict[str, 
         "xs": [closed(loop.Omega) for _, loop in pairs],
         "ys": [closed(loop.eps) for _, loop in pairs],
         "label": [label for label, _ in pairs],
-        "color": [FAINT if faint else "black" for faint in narrow],
-        "width": [2 * FAINT_WIDTH if faint else 1.2 for faint in narrow],
+        "color": [FAINT_COLOUR if faint else "black" for faint in narrow],
+        "width": [2 * FAINT_POINTS if faint else 1.2 for faint in narrow],
     }
 
 
 def label_data(curves: Sequence[TransitionCurve], chart: StabilityChart) -> dict[str, Any]:
     """Place the names of the widest regions at the top of the chart, on lines without overlap."""
     low, high, bottom, top = (float(grid[end]) for grid in (chart.Omega, chart.eps) for end in (0, -1))
-    room = LABEL_WIDTH * (high - low)
+    room = LABEL_PART * (high - low)
     seen = []
     for curve in curves:
         lower, upper = curve.edges(top)
-        if low < curve.centre < high and upper - lower > LEAST_WIDTH * (high - low):
+        if low < curve.centre < high and upper - lower > MIN_LABELLED_PART * (high - low):
             seen.append((min(float(upper), high) - max(float(lower), low), curve))
     placed: list[tuple[int, float, float, str]] = []
     for _, curve in sorted(seen, key=lambda pair: -pair[0]):

@@ -15,13 +15,13 @@ from periodic import SystemFamily
 from periodic.checks import ComplexArray, FloatArray
 
 # Enough for a smooth curve of a solution with a dozen oscillations in a period.
-SAMPLES = 96
+SAMPLES_PER_PERIOD = 96
 # A picture of the solution needs no more than this; the verdict comes from `floquet.monodromy`.
-RELATIVE_TOLERANCE = 1e-6
+SOLUTION_TOLERANCE = 1e-6
 # Columns and rows of blocks that can be clicked in a file: half a megabyte and half a minute for 28 coordinates.
-CLICKABLE = (32, 16)
+CLICKABLE_POINTS = (32, 16)
 # Multipliers this close in modulus to the largest one are as dominant as it: all of a stable elastic system.
-EQUALLY_DOMINANT = 1e-6
+DOMINANCE_TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,8 +44,8 @@ class Response:
         Multiplier of the solution shown: the largest, and of several equally large ones that of slowest motion.
     coordinate : int
         The coordinate with the largest motion, from 0.
-    wave : complex ndarray, shape (SAMPLES,)
-        That coordinate over one period at t = k T / SAMPLES, largest modulus 1; in the following periods it is
+    wave : complex ndarray, shape (SAMPLES_PER_PERIOD,)
+        That coordinate over one period at t = k T / SAMPLES_PER_PERIOD, largest modulus 1; in the following periods it is
         mu wave, mu^2 wave, ... Its real part is a solution.
     """
 
@@ -72,7 +72,7 @@ def response(family: SystemFamily, Omega: float, eps: float) -> Response:
     result = monodromy(system, Omega, eps)
     values, vectors = np.linalg.eig(result.matrix)
     n = system.size
-    candidates = np.flatnonzero(np.abs(values) >= (1 - EQUALLY_DOMINANT) * np.abs(values).max())
+    candidates = np.flatnonzero(np.abs(values) >= (1 - DOMINANCE_TOLERANCE) * np.abs(values).max())
     velocity, displacement = (np.linalg.norm(part[:, candidates], axis=0) for part in (vectors[:n], vectors[n:]))
     chosen = candidates[np.argmin(velocity / displacement)]
 
@@ -88,9 +88,9 @@ def response(family: SystemFamily, Omega: float, eps: float) -> Response:
 
     T = 2 * np.pi / Omega
     start = vectors[:, chosen].astype(complex)
-    times = np.arange(SAMPLES) * T / SAMPLES
-    scale = RELATIVE_TOLERANCE * np.abs(start).max()
-    path = solve_ivp(first_order, (0, T), start, "DOP853", times, rtol=RELATIVE_TOLERANCE, atol=scale).y[n:]
+    times = np.arange(SAMPLES_PER_PERIOD) * T / SAMPLES_PER_PERIOD
+    scale = SOLUTION_TOLERANCE * np.abs(start).max()
+    path = solve_ivp(first_order, (0, T), start, "DOP853", times, rtol=SOLUTION_TOLERANCE, atol=scale).y[n:]
     coordinate = int(np.argmax(np.abs(path).max(axis=1)))
     wave = path[coordinate]
     peak = wave[np.argmax(np.abs(wave))]
@@ -115,7 +115,7 @@ def responses(
     A block gives its fastest-growing cell, so that no region is missed that the chart shows. Points that cannot be
     integrated are left out.
     """
-    rows, columns = clickable_points(chart.growth_rate, *CLICKABLE)
+    rows, columns = clickable_points(chart.growth_rate, *CLICKABLE_POINTS)
     tasks = [(family, float(chart.Omega[m]), float(chart.eps[k])) for k, m in zip(rows, columns, strict=True)]
     with tqdm(desc="points to click", total=len(tasks), unit="point", disable=not progress) as bar:
         return [result for result in gather(_try, tasks, n_jobs, bar) if result is not None]

@@ -23,13 +23,13 @@ from perturb import TransitionCurve, gyroscopic_modes, transition_curves
 from plate import MovingPlate
 
 # Values of the parameter at which regions are traced too: enough to see whether the line is right.
-TRACED_VALUES = 6
+MAX_TRACED_VALUES = 6
 # A threshold is looked for on the centre line that the region has this far above the threshold of theory, ...
-ABOVE_TIP = 1.05
+TIPS_TO_CENTRELINE = 1.05
 # ... between these multiples of the threshold of theory.
-LOWEST_TIP, HIGHEST_TIP = 0.5, 1.5
+MIN_TIP_RATIO, MAX_TIP_RATIO = 0.5, 1.5
 # Thresholds beyond this are neither traced nor drawn: the excitation exceeds the static load, and theory its range.
-MOST_TIP = 1.0
+MAX_TRACED_TIP = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,7 +172,7 @@ def sweep(
     kept = np.array([*plates])
     bar = tqdm(plates.values(), desc="theory", unit="value", disable=not progress)
     theory = [_curves(family, pairs, order) for family in bar]
-    traced = np.unique(np.linspace(0, kept.size - 1, TRACED_VALUES).round().astype(int))
+    traced = np.unique(np.linspace(0, kept.size - 1, MAX_TRACED_VALUES).round().astype(int))
     tasks = [(plates[kept[i]], curve, eps) for i in traced for curve in theory[i]]
     with tqdm(desc="boundaries", total=len(tasks), unit="region", disable=not progress) as steps:
         points = np.array(gather(_trace, tasks, n_jobs, steps)).reshape(traced.size, len(pairs), 3)
@@ -216,9 +216,9 @@ def _trace(family: MovingPlate, curve: TransitionCurve, eps: float) -> tuple[flo
 
 def _traced_tip(family: MovingPlate, curve: TransitionCurve) -> float:
     """Return the eps at which the largest multiplier leaves the unit circle on the region's centre line."""
-    if not 0 < curve.tip < MOST_TIP:
+    if not 0 < curve.tip < MAX_TRACED_TIP:
         return float("nan")
-    trace = traced_curve(family, curve, ABOVE_TIP * curve.tip)
+    trace = traced_curve(family, curve, TIPS_TO_CENTRELINE * curve.tip)
     Omega = float("nan") if trace is None else 0.5 * float(trace.lower[0] + trace.upper[0])
     if not np.isfinite(Omega):
         return float("nan")
@@ -226,7 +226,7 @@ def _traced_tip(family: MovingPlate, curve: TransitionCurve) -> float:
     def growth(eps: float) -> float:
         return monodromy(family, Omega, eps).growth_rate
 
-    low, high = LOWEST_TIP * curve.tip, HIGHEST_TIP * curve.tip
+    low, high = MIN_TIP_RATIO * curve.tip, MAX_TIP_RATIO * curve.tip
     if not growth(low) < 0 < growth(high):
         return float("nan")
     return float(brentq(growth, low, high, rtol=1e-6))

@@ -8,11 +8,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from compare.explorer.sweep import MOST_TIP, Sweep
+from compare.explorer.sweep import MAX_TRACED_TIP, Sweep
 from compare.pictures import BLUE, GREEN, GREY, ORANGE, PURPLE, STYLE, new_figure
 
 # Okabe and Ito's colours that stand out from white.
-COLOURS = (BLUE, ORANGE, GREEN, PURPLE, "#E69F00", "#56B4E9", "#000000")
+REGION_COLOURS = (BLUE, ORANGE, GREEN, PURPLE, "#E69F00", "#56B4E9", "#000000")
 AXIS_NAMES = {
     "speed": "speed V",
     "tension": "tension f₀",
@@ -79,10 +79,10 @@ def _draw(axes: Axes, result: Sweep, quantity: str) -> None:
 def _most(result: Sweep, quantity: str) -> float:
     """Return how far up an axis needs to go; near divergence the widths of theory leave every bound."""
     if quantity == "tip":
-        return MOST_TIP
+        return MAX_TRACED_TIP
     traced = [getattr(region, f"traced_{quantity}") for region in result.regions]
     return 2 * float(np.nanmax(traced)) if np.isfinite(traced).any() else float("inf")
 
 
 def _colours(result: Sweep) -> list[str]:
-    return [COLOURS[k % len(COLOURS)] for k in range(len(result.regions))]
+    return [REGION_COLOURS[k % len(REGION_COLOURS)] for k in range(len(result.regions))]

@@ -8,8 +8,8 @@ from typing import Any
 from compare.files.cases import Case, Load, Plate
 from periodic.checks import one_of, real_number
 
-NUMBERS = ("speed", "tension", "damping", "aspect_ratio", "poisson_ratio", "thickness_ratio")
-SWEEPABLE = (*NUMBERS, "width")
+PLATE_NUMBERS = ("speed", "tension", "damping", "aspect_ratio", "poisson_ratio", "thickness_ratio")
+SWEEPABLE = (*PLATE_NUMBERS, "width")
 
 
 def plate_table(case: Case, label: str | None = None) -> tuple[str, Plate]:
@@ -45,7 +45,7 @@ def varied(plate: Plate, name: str, value: Any) -> Plate:
         If ``name`` is unknown, or a number is not finite.
     """
     one_of("name", name, (*SWEEPABLE, "waveform", "harmonics"))
-    if name in NUMBERS:
+    if name in PLATE_NUMBERS:
         return plate.model_copy(update={name: real_number(name, value)})
     return plate.model_copy(update={"load": _varied_load(plate.load, name, value)})
 
@@ -64,7 +64,7 @@ def current(plate: Plate) -> dict[str, Any]:
     built = plate.build()
     width = plate.load.parameters.get("width", 1.0) if plate.load.shape == "partial" else 1.0
     waveform = plate.load.waveform if isinstance(plate.load.waveform, str) else "custom"
-    return {name: getattr(built, name) for name in NUMBERS} | {
+    return {name: getattr(built, name) for name in PLATE_NUMBERS} | {
         "width": width,
         "waveform": waveform,
         "harmonics": built.load.harmonics,

@@ -15,15 +15,15 @@ from plate import EdgeLoad, MovingPlate
 _T = TypeVar("_T", bound=BaseModel)
 FiniteFloat = Annotated[float, Field(allow_inf_nan=False)]
 # More columns or rows than any screen has; keeps a slip from filling the memory.
-MOST_POINTS = 10_000
-Points = Annotated[int, Field(ge=2, le=MOST_POINTS)]
+MAX_CHART_POINTS = 10_000
+Points = Annotated[int, Field(ge=2, le=MAX_CHART_POINTS)]
 # It begins the names of the files of a result, which stay in its folder.
 FileName = Annotated[str, Field(pattern=r"^[^/\\\x00-\x1f]*$", max_length=100)]
 
 # The paper's: between its three lowest modes.
 STANDARD_REGIONS = [(1, 1), (2, 2), (3, 3), (1, 2), (1, 3), (2, 3)]
 # As many as the pictures have colours that every reader can tell apart.
-MOST_VARIANTS = 4
+MAX_VARIANTS = 4
 
 
 class _Table(BaseModel):
@@ -108,8 +108,8 @@ class Case(_Table):
     @model_validator(mode="after")
     def _distinct(self) -> Case:
         labels = [variant.label for variant in self.variants]
-        if not 1 <= len(labels) <= MOST_VARIANTS or len(set(labels)) < len(labels):
-            raise ValueError(f"variants have the labels {labels}; give 1 to {MOST_VARIANTS}, each with its own label")
+        if not 1 <= len(labels) <= MAX_VARIANTS or len(set(labels)) < len(labels):
+            raise ValueError(f"variants have the labels {labels}; give 1 to {MAX_VARIANTS}, each with its own label")
         return self
 
     def systems(self) -> dict[str, MovingPlate]:

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from periodic.checks import FloatArray
 
-NUMBER_TYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
-MATRIX, COMPRESSED = 14, 15
-SPARSE, NUMERIC = 5, range(6, 16)
+MATLAB_NUMBER_TYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
+MATRIX_TYPE, COMPRESSED_TYPE = 14, 15
+SPARSE_CLASS, NUMERIC_CLASSES = 5, range(6, 16)
 COMPLEX_FLAG = 0x0800
 HEADER_BYTES = 128
 
@@ -41,10 +41,10 @@ def read_matlab(path: Path, most: int) -> dict[str, FloatArray]:
         raise ValueError("it does not start like one of version 5 to 7; save it with save(..., '-v7')")
     matrices: dict[str, FloatArray] = {}
     for kind, content in _elements(data[HEADER_BYTES:], order):
-        if kind == COMPRESSED:
+        if kind == COMPRESSED_TYPE:
             content = _decompress(content, 16 * most**2 + 4096)  # the widest numbers and their frame
             kind, content = next(_elements(content, order), (0, b""))
-        if kind != MATRIX:
+        if kind != MATRIX_TYPE:
             raise ValueError(f"it holds an element of type {kind} where a variable should be")
         name, matrix = _variable(content, order, most)
         if name in matrices:
@@ -67,7 +67,7 @@ def _elements(data: bytes, order: str) -> Iterator[tuple[int, bytes]]:
                 raise ValueError("it has a damaged tag")
         else:
             start = at + 8
-            end = start + (size if kind == COMPRESSED else -(-size // 8) * 8)
+            end = start + (size if kind == COMPRESSED_TYPE else -(-size // 8) * 8)
         if start + size > len(data):
             raise ValueError("it ends early")
         yield kind, data[start : start + size]
@@ -92,7 +92,7 @@ def _variable(content: bytes, order: str, most: int) -> tuple[str, FloatArray]:
     if not name:
         return name, np.empty((0, 0))
     flag = int(_numbers(flags, order)[0]) if flags[1] else 0
-    if flag & 0xFF != SPARSE and flag & 0xFF not in NUMERIC:
+    if flag & 0xFF != SPARSE_CLASS and flag & 0xFF not in NUMERIC_CLASSES:
         raise ValueError(f"{name} is no matrix of numbers but of class {flag & 0xFF}; leave it out")
     if flag & COMPLEX_FLAG:
         raise ValueError(f"{name} is complex; give a real matrix")
@@ -100,7 +100,7 @@ def _variable(content: bytes, order: str, most: int) -> tuple[str, FloatArray]:
     if len(shape) != 2 or not all(1 <= size <= most for size in shape):
         raise ValueError(f"{name} has shape {tuple(shape)}; give a matrix of at most {most} rows")
     values = [_numbers(part, order) for part in parts if part[0]]
-    if flag & 0xFF == SPARSE:
+    if flag & 0xFF == SPARSE_CLASS:
         return name, _sparse(name, shape, values)
     if len(values) != 1 or values[0].size != shape[0] * shape[1]:
         raise ValueError(f"{name} does not hold the numbers that its shape {tuple(shape)} announces")
@@ -109,9 +109,9 @@ def _variable(content: bytes, order: str, most: int) -> tuple[str, FloatArray]:
 
 def _numbers(element: tuple[int, bytes], order: str) -> NDArray[Any]:
     kind, data = element
-    if kind not in NUMBER_TYPES:
+    if kind not in MATLAB_NUMBER_TYPES:
         raise ValueError(f"it holds {len(data)} bytes of type {kind} where numbers should be")
-    return np.frombuffer(data, order + NUMBER_TYPES[kind])
+    return np.frombuffer(data, order + MATLAB_NUMBER_TYPES[kind])
 
 
 def _sparse(name: str, shape: list[int], values: list[NDArray[Any]]) -> FloatArray:

@@ -21,16 +21,16 @@ from periodic.checks import FloatArray, real_array
 
 # A dense matrix of this size still fits every step of the integrators; larger models are reduced to their lowest
 # modes first. With the limit on harmonics it also bounds the memory that a damaged file can ask for.
-MOST_COORDINATES = 500
-MOST_HARMONICS = 64
+MAX_FILE_COORDINATES = 500
+MAX_FILE_HARMONICS = 64
 # The largest such matrix in the widest number type, with room for a header.
-MOST_BYTES = 16 * MOST_COORDINATES**2 + 4096
+MAX_MATRIX_BYTES = 16 * MAX_FILE_COORDINATES**2 + 4096
 
 ZIP_MAGIC = b"PK\x03\x04"
-FIELDS = {"mass": "M", "gyroscopic": "G", "damping": "C", "stiffness": "K"}
-REQUIRED = ("M", "K")
-EXCITATION = re.compile(r"F([1-9][0-9]{0,8})([CS])")
-FORMATS = "give a .npz file, a MATLAB .mat file or a folder of Matrix Market files (.mtx)"
+MATRIX_NAMES = {"mass": "M", "gyroscopic": "G", "damping": "C", "stiffness": "K"}
+REQUIRED_MATRICES = ("M", "K")
+EXCITATION_NAME = re.compile(r"F([1-9][0-9]{0,8})([CS])")
+SYSTEM_FORMATS = "give a .npz file, a MATLAB .mat file or a folder of Matrix Market files (.mtx)"
 
 
 def load_system(path: str | Path) -> PeriodicSystem:
@@ -62,7 +62,7 @@ def load_system(path: str | Path) -> PeriodicSystem:
         found = _read_mat(path)
     else:
         fault = "has no ending that says what it holds" if path.exists() else "is not there"
-        raise ValueError(f"{path}: {fault}; {FORMATS}")
+        raise ValueError(f"{path}: {fault}; {SYSTEM_FORMATS}")
     matrices = {name: _dense(f"{path}: {name}", value) for name, value in found.items()}
     n = len(matrices["M"])
     for name, matrix in matrices.items():
@@ -72,7 +72,7 @@ def load_system(path: str | Path) -> PeriodicSystem:
         return PeriodicSystem(**_arguments(matrices))
     except ValueError as error:
         field, _, fault = str(error).partition(" ")
-        raise ValueError(f"{path}: {FIELDS.get(field, 'F')} ({field}) {fault}") from None
+        raise ValueError(f"{path}: {MATRIX_NAMES.get(field, 'F')} ({field}) {fault}") from None
 
 
 def save_system(path: str | Path, system: PeriodicSystem) -> None:
@@ -94,16 +94,16 @@ def save_system(path: str | Path, system: PeriodicSystem) -> None:
     path = _as_path(path)
     if not isinstance(system, PeriodicSystem):
         raise ValueError(f"system = {system!r} is no PeriodicSystem; give one")
-    if system.size > MOST_COORDINATES or system.harmonics > MOST_HARMONICS:
+    if system.size > MAX_FILE_COORDINATES or system.harmonics > MAX_FILE_HARMONICS:
         raise ValueError(
             f"system has {system.size} coordinates and {system.harmonics} harmonics; "
-            f"give at most {MOST_COORDINATES} and {MOST_HARMONICS}"
+            f"give at most {MAX_FILE_COORDINATES} and {MAX_FILE_HARMONICS}"
         )
-    matrices = {letter: getattr(system, field) for field, letter in FIELDS.items()}
+    matrices = {letter: getattr(system, field) for field, letter in MATRIX_NAMES.items()}
     for j, (cosine, sine) in enumerate(zip(system.cosine, system.sine, strict=True), start=1):
         matrices |= {f"F{j}c": cosine, f"F{j}s": sine}
     # The last cosine stays even if zero: it says how many harmonics there are.
-    needed = {*REQUIRED, f"F{system.harmonics}c"}
+    needed = {*REQUIRED_MATRICES, f"F{system.harmonics}c"}
     matrices = {name: matrix for name, matrix in matrices.items() if name in needed or matrix.any()}
     if path.suffix.lower() in (".npz", ".mat"):
         with staged(path.parent) as folder:
@@ -124,8 +124,8 @@ def save_system(path: str | Path, system: PeriodicSystem) -> None:
 def _arguments(matrices: Mapping[str, FloatArray]) -> dict[str, Any]:
     """Return the arguments of `PeriodicSystem`, zero where a matrix is missing."""
     zero = np.zeros_like(matrices["M"])
-    arguments: dict[str, Any] = {field: matrices.get(letter, zero) for field, letter in FIELDS.items()}
-    J = max(int(name[1:-1]) for name in matrices if EXCITATION.fullmatch(name.upper()))
+    arguments: dict[str, Any] = {field: matrices.get(letter, zero) for field, letter in MATRIX_NAMES.items()}
+    J = max(int(name[1:-1]) for name in matrices if EXCITATION_NAME.fullmatch(name.upper()))
     for field, letter in (("cosine", "c"), ("sine", "s")):
         arguments[field] = np.array([matrices.get(f"F{j}{letter}", zero) for j in range(1, J + 1)])
     return arguments
@@ -136,16 +136,16 @@ def _names(path: Path, given: list[str]) -> dict[str, str]:
     names: dict[str, str] = {}
     for name in given:
         upper = name.upper()
-        excitation = EXCITATION.fullmatch(upper)
-        if upper not in FIELDS.values() and excitation is None:
+        excitation = EXCITATION_NAME.fullmatch(upper)
+        if upper not in MATRIX_NAMES.values() and excitation is None:
             raise ValueError(f"{path}: {name!r} is no matrix of a system; name them M, G, C, K, F1c, F1s, F2c, ...")
-        if excitation and int(excitation[1]) > MOST_HARMONICS:
-            raise ValueError(f"{path}: {name} is beyond harmonic {MOST_HARMONICS}; leave it out")
+        if excitation and int(excitation[1]) > MAX_FILE_HARMONICS:
+            raise ValueError(f"{path}: {name} is beyond harmonic {MAX_FILE_HARMONICS}; leave it out")
         canonical = f"F{excitation[1]}{excitation[2].lower()}" if excitation else upper
         if canonical in names.values():
             raise ValueError(f"{path}: {canonical} is there twice; capitals make no difference, keep one")
         names[name] = canonical
-    for letter in REQUIRED:
+    for letter in REQUIRED_MATRICES:
         if letter not in names.values():
             raise ValueError(f"{path}: {letter} is missing; add it")
     if not any(name.startswith("F") for name in names.values()):
@@ -161,8 +161,10 @@ def _read_npz(path: Path) -> dict[str, Any]:
         archive = np.load(io.BytesIO(data), allow_pickle=False)
     with archive:
         for member in archive.zip.infolist():
-            if member.file_size > MOST_BYTES:
-                raise ValueError(f"{path}: {member.filename} has {member.file_size} bytes; give at most {MOST_BYTES}")
+            if member.file_size > MAX_MATRIX_BYTES:
+                raise ValueError(
+                    f"{path}: {member.filename} has {member.file_size} bytes; give at most {MAX_MATRIX_BYTES}"
+                )
         matrices = {}
         for name, canonical in _names(path, archive.files).items():
             with _parser_of(path, f"the plain array {canonical}; a sparse matrix has to be saved by its .toarray()"):
@@ -172,7 +174,7 @@ def _read_npz(path: Path) -> dict[str, Any]:
 
 def _read_mat(path: Path) -> dict[str, FloatArray]:
     with _parser_of(path, "a MATLAB file"):
-        variables = read_matlab(path, MOST_COORDINATES)
+        variables = read_matlab(path, MAX_FILE_COORDINATES)
     return {canonical: variables[name] for name, canonical in _names(path, list(variables)).items()}
 
 
@@ -180,11 +182,11 @@ def _read_folder(path: Path) -> dict[str, FloatArray]:
     with _parser_of(path, "a folder"):
         files = {file.stem: file for file in sorted(path.iterdir()) if file.suffix.lower() == ".mtx"}
     if not files:
-        raise ValueError(f"{path}: this folder has no .mtx file; {FORMATS}")
+        raise ValueError(f"{path}: this folder has no .mtx file; {SYSTEM_FORMATS}")
     matrices = {}
     for name, canonical in _names(path, list(files)).items():
         with _parser_of(files[name], "a Matrix Market file"):
-            matrices[canonical] = read_matrix_market(files[name], MOST_COORDINATES)
+            matrices[canonical] = read_matrix_market(files[name], MAX_FILE_COORDINATES)
     return matrices
 
 
@@ -207,17 +209,17 @@ def _as_path(path: str | Path) -> Path:
     try:
         return Path(path)
     except TypeError:
-        raise ValueError(f"path = {path!r} is no path; {FORMATS}") from None
+        raise ValueError(f"path = {path!r} is no path; {SYSTEM_FORMATS}") from None
 
 
 def _check_shape(name: str, shape: tuple[int, ...]) -> None:
     """Refuse a matrix that is not square or too large, before memory is taken for it."""
     if len(shape) != 2 or shape[0] != shape[1] or shape[0] < 1:
         raise ValueError(f"{name} has shape {tuple(shape)}; give a square matrix")
-    if shape[0] > MOST_COORDINATES:
+    if shape[0] > MAX_FILE_COORDINATES:
         raise ValueError(
             f"{name} has {shape[0]} coordinates; reduce the model to its lowest modes first, "
-            f"to at most {MOST_COORDINATES} coordinates"
+            f"to at most {MAX_FILE_COORDINATES} coordinates"
         )
 
 

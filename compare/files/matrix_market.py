@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from periodic.checks import FloatArray
 
-SYMMETRIES = {"general": 0, "symmetric": 1, "skew-symmetric": -1}
+SYMMETRY_SIGNS = {"general": 0, "symmetric": 1, "skew-symmetric": -1}
 
 
 def read_matrix_market(path: Path, most: int) -> FloatArray:
@@ -32,16 +32,16 @@ def read_matrix_market(path: Path, most: int) -> FloatArray:
     if len(banner) != 5 or banner[:2] != ["%%matrixmarket", "matrix"]:
         raise ValueError("its first line is not: %%MatrixMarket matrix <coordinate|array> real <general|symmetric|...>")
     layout, field, symmetry = banner[2:]
-    if layout not in ("coordinate", "array") or field not in ("real", "integer") or symmetry not in SYMMETRIES:
+    if layout not in ("coordinate", "array") or field not in ("real", "integer") or symmetry not in SYMMETRY_SIGNS:
         raise ValueError(
             f"its first line says {layout} {field} {symmetry}; give coordinate or array, real or integer, "
-            f"and one of {', '.join(SYMMETRIES)}"
+            f"and one of {', '.join(SYMMETRY_SIGNS)}"
         )
     rows = [line for line in lines[1:] if line.strip() and not line.startswith("%")]
     sizes = [int(text) for text in rows[0].split()] if rows else []
     if len(sizes) != (3 if layout == "coordinate" else 2) or sizes[0] != sizes[1] or not 1 <= sizes[0] <= most:
         raise ValueError(f"its size line says {sizes}; give a square matrix of at most {most} rows")
-    sign = SYMMETRIES[symmetry]
+    sign = SYMMETRY_SIGNS[symmetry]
     if layout == "coordinate":
         return _coordinate(rows[1:], sizes[0], sizes[2], sign)
     return _array(np.array(" ".join(rows[1:]).split(), dtype=float), sizes[0], sign)

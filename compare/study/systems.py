@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from compare.files.cases import MOST_POINTS
+from compare.files.cases import MAX_CHART_POINTS
 from compare.files.matrices import FIELDS, load_system
 from compare.study.study import Subject
 from compare.study.truncation import lowest_modes
@@ -99,7 +99,7 @@ def system_subject(own: OwnSystem, *, points: tuple[int, int] = CHART_POINTS, mo
         and matrix.
     """
     whole_number("modes", modes, least=1)
-    columns, rows = (whole_number("points", number, least=2, most=MOST_POINTS) for number in points)
+    columns, rows = (whole_number("points", number, least=2, most=MAX_CHART_POINTS) for number in points)
     try:
         found = gyroscopic_modes(own.system)
         curves = transition_curves(own.system, own.window)

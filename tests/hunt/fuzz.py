@@ -24,7 +24,7 @@ import scipy.io
 import scipy.sparse
 
 from compare.files.cases import Plate, load_case
-from compare.files.matrices import FIELDS, load_system
+from compare.files.matrices import MATRIX_NAMES, load_system
 from floquet import monodromy
 from periodic import PeriodicSystem
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, meissner
@@ -116,7 +116,7 @@ def toml_mutant(random: Random) -> Mutant:
 def matrices_of(random: Random) -> dict[str, Any]:
     systems = (gyroscopic_rotor(damping=0.1), coupled_mathieu("difference"), meissner(harmonics=3))
     system = systems[random.integers(len(systems))]
-    found = {letter: getattr(system, field) for field, letter in FIELDS.items()}
+    found = {letter: getattr(system, field) for field, letter in MATRIX_NAMES.items()}
     for j, (cosine, sine) in enumerate(zip(system.cosine, system.sine, strict=True), start=1):
         found |= {f"F{j}c": cosine, f"F{j}s": sine}
     return {name: np.array(matrix) for name, matrix in found.items()}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from compare.explorer.listing import MOST_LINES, region_lines
+from compare.explorer.listing import MAX_REGION_LINES, region_lines
 from floquet import Region
 from floquet.boundary import Resonance
 from floquet.regions.outlines import Loop
@@ -37,7 +37,7 @@ def test_of_many_feet_the_one_of_the_first_name_is_told() -> None:
 
 
 def test_the_narrowest_are_counted() -> None:
-    widths = np.random.default_rng(3).permutation(np.linspace(0.01, 0.3, MOST_LINES + 10))
+    widths = np.random.default_rng(3).permutation(np.linspace(0.01, 0.3, MAX_REGION_LINES + 10))
     regions = [region(Resonance(1, 1, 1, "sum", 2.0), Omega=1.0 + i, width=width) for i, width in enumerate(widths)]
     *lines, last = region_lines(regions, 1.0, "all.json")
     assert last == "and 10 narrower ones, at most 0.098 wide; all are in all.json"
@@ -46,7 +46,7 @@ def test_the_narrowest_are_counted() -> None:
 
 
 def test_as_many_as_fit_are_not_counted() -> None:
-    lines = region_lines([region(width=0.1 + i) for i in range(MOST_LINES)], 1.0, "file")
-    assert len(lines) == MOST_LINES
+    lines = region_lines([region(width=0.1 + i) for i in range(MAX_REGION_LINES)], 1.0, "file")
+    assert len(lines) == MAX_REGION_LINES
     assert not any("narrower" in line for line in lines)
     assert region_lines([], 1.0, "file") == []

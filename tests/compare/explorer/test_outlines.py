@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from compare import overlay
-from compare.explorer.outlines import FAINT, draw_outlines, is_narrow
+from compare.explorer.outlines import FAINT_COLOUR, draw_outlines, is_narrow
 from floquet import Kind, stability_chart, trace_regions
 from floquet.regions.outlines import Loop, largest_width
 from periodic.examples import mathieu
@@ -40,7 +40,7 @@ def test_narrow_regions_are_faint_and_the_legend_says_so() -> None:
     draw_outlines(figure, chart, regions)
     colours = [line.get_color() for line in figure.axes[0].lines[before:]]
     assert colours.count("black") >= 2  # tongues of order 1 and 2
-    assert FAINT in colours
+    assert FAINT_COLOUR in colours
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert labels == ["unstable by integration", "Floquet boundary (traced)", "traced, narrower than a line"]
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from compare.explorer.response import SAMPLES, clickable_points, response, responses
+from compare.explorer.response import SAMPLES_PER_PERIOD, clickable_points, response, responses
 from floquet import Kind, monodromy, stability_chart
 from periodic import PeriodicSystem
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu, meissner
@@ -33,7 +33,7 @@ def _real_motion(system: PeriodicSystem, Omega: float, eps: float, start: np.nda
         return np.concatenate([-np.linalg.solve(system.mass, force), q[:n]])
 
     T = 2 * np.pi / Omega
-    times = np.arange(periods * SAMPLES) * T / SAMPLES
+    times = np.arange(periods * SAMPLES_PER_PERIOD) * T / SAMPLES_PER_PERIOD
     return solve_ivp(motion, (0, periods * T), start, "LSODA", times, rtol=1e-10, atol=1e-12).y[n:]
 
 

@@ -13,7 +13,7 @@ import scipy.sparse
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compare.files.matrices import MOST_COORDINATES, load_system, save_system
+from compare.files.matrices import MAX_FILE_COORDINATES, load_system, save_system
 from periodic import PeriodicSystem
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu, meissner
 from tests.paths import ROOT
@@ -126,7 +126,7 @@ def test_an_error_names_the_file_and_the_matrix(tmp_path: Path, matrices: dict[s
 
 
 def test_too_many_coordinates_are_refused_before_memory_is_taken(tmp_path: Path) -> None:
-    n = MOST_COORDINATES + 1
+    n = MAX_FILE_COORDINATES + 1
     np.savez_compressed(tmp_path / "a.npz", M=np.eye(n), K=np.eye(n), F1c=np.eye(n))
     with pytest.raises(ValueError, match=r"a\.npz: M has 501 coordinates; reduce the model"):
         load_system(tmp_path / "a.npz")
