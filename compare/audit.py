@@ -1,4 +1,4 @@
-"""What became of a chart's audit, in a sentence."""
+"""What the audit of a chart found, in a sentence."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from floquet.chart import ChartAudit
 
 
 def audit_sentence(audit: ChartAudit | None) -> str:
-    """Return how far the cells of a chart that were integrated a second time, by another method, bear it out."""
+    """Return in a sentence whether the cells that were integrated again, by another method, confirm the chart."""
     if audit is None or not audit.compared:
         return "No cell of the chart was integrated again by another method."
     cells, differ = ("1 cell", "differs") if audit.compared == 1 else (f"{audit.compared} cells", "differ")

@@ -12,29 +12,29 @@ from joblib import parallel_config
 
 from floquet.chart import code_version, processor
 
-# To reach the scheduler, and for a first worker to appear.
-SECONDS_TO_CONNECT, SECONDS_FOR_WORKERS = 5, 20
+# Seconds to reach the scheduler, and until a first worker appears.
+MAX_CONNECT_SECONDS, MAX_WORKER_SECONDS = 5, 20
 
 
 @contextmanager
 def workers_at(address: str | None) -> Iterator[str]:
-    """Let everything inside the block be computed by the workers of a scheduler; by this machine if there is none.
+    """Compute everything inside the ``with`` block on the workers of a scheduler; on this machine without one.
 
     Parameters
     ----------
     address : str or None
-        Of the scheduler, such as "tcp://10.0.0.1:8786".
+        The scheduler's, such as "tcp://10.0.0.1:8786".
 
     Yields
     ------
     str
-        What the user has to know about the workers; empty if nothing.
+        What the user has to know about the workers; empty if there is nothing to know.
 
     Raises
     ------
     ValueError
-        If dask.distributed is not installed, no scheduler answers, it has no workers, these compute with another
-        version of the code, or the scheduler is lost on the way.
+        If dask.distributed is not installed, no scheduler answers, the scheduler has no workers, a worker has another
+        version of the code, or the connection is lost on the way.
     """
     if address is None:
         yield ""
@@ -47,10 +47,10 @@ def workers_at(address: str | None) -> Iterator[str]:
         ) from None
     logger = logging.getLogger("distributed.client")
     level = logger.level
-    logger.setLevel(logging.CRITICAL)  # what it would say ends up in the exceptions
+    logger.setLevel(logging.CRITICAL)  # the exceptions say it
     try:
         try:
-            client = Client(address, timeout=SECONDS_TO_CONNECT, set_as_default=False)
+            client = Client(address, timeout=MAX_CONNECT_SECONDS, set_as_default=False)
         except (OSError, ValueError, TypeError) as error:
             reason = str(error) or type(error).__name__
             raise ValueError(
@@ -73,9 +73,9 @@ def workers_at(address: str | None) -> Iterator[str]:
 
 
 def _checked(client: Any, address: str) -> str:
-    """Return a remark on the workers, having made sure that there are some and that they run this code."""
+    """Make sure that there are workers and that they run this code; return what else there is to say of them."""
     try:
-        client.wait_for_workers(1, timeout=SECONDS_FOR_WORKERS)
+        client.wait_for_workers(1, timeout=MAX_WORKER_SECONDS)
     except TimeoutError:
         raise ValueError(
             f"--dask {address}: the scheduler has no workers; start some with: dask worker {address}"
@@ -93,5 +93,5 @@ def _checked(client: Any, address: str) -> str:
             "numba; install the same everywhere"
         )
     if len({*processors.values(), processor()}) > 1:
-        return "The workers' processors are of different kinds: the last digits depend on which of them computes what."
+        return "The workers have processors of different kinds: the last digits depend on which of them computes what."
     return ""

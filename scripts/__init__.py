@@ -1,1 +1,1 @@
-"""Thin command lines over the packages."""
+"""The commands: thin over the packages, each a file with ``main(arguments)``; installed as ``floquet_scripts``."""

@@ -14,14 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from compare.explorer.exploration import explore
-from compare.explorer.listing import region_lines
-from compare.explorer.response import responses
-from compare.explorer.sweep import sweep
-from compare.explorer.sweep_picture import sweep_picture
-from compare.explorer.variation import SWEEPABLE, plate_table
-from compare.files.cases import STANDARD_REGIONS, Plate, load_case
-from compare.files.publish import staged
+from compare.explorer import SWEEPABLE, clickable_responses, explore, plate_table, region_lines, sweep, sweep_picture
+from compare.files import STANDARD_REGIONS, Plate, load_case, staged
 from compare.study import own_system
 from compare.window import default_window
 from floquet.chart import TileStore
@@ -39,18 +33,19 @@ examples:
   scripts/explore.py --sweep speed=0:4.3:40            how the regions move with the speed
 
 --sweep takes {", ".join(SWEEPABLE)} (of the load).
-Without --Omega and --eps the window is the case's, or for a system the one that shows the main regions of its three
+Without --Omega and --eps the window is the case's. For a system it is one that shows the main regions of its three
 lowest modes. The exit status is 0 if everything was written and 2 if the input is wrong.
 
 {running.STOPPED_RUNS_HELP}"""
 STANDARD_NAME, STANDARD_TITLE = "plate", "Standard plate: a/b = 1, ν = 0.3, V = 3, f₀ = 10"
 OPTIONS_OF_CHARTS = ("points", "html", "netcdf", "no_regions")
+# Amplitude at which a sweep compares widths, and the most values of its parameter.
 SWEEP_EPS, MAX_SWEEP_VALUES = 0.1, 1000
 
 
 @dataclass(frozen=True, eq=False)
-class Subject:
-    """What is explored: a plate's table or a system, and what its case says about the picture."""
+class Target:
+    """What is explored: a plate's table or a system, with the window and the title of its pictures."""
 
     name: str
     title: str
@@ -70,17 +65,17 @@ def main(arguments: list[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     try:
         _check(options)
-        subject = _subject(options)
+        target = _target(options)
         if options.serve:
-            return _serve(subject, options)
+            return _serve(target, options)
     except ValueError as error:
         print(f"explore: {error}", file=sys.stderr)
         return 2
-    return running.run("explore", options, lambda store: _explore(subject, options, store))
+    return running.run("explore", options, lambda store: _explore(target, options, store))
 
 
-def _explore(subject: Subject, options: argparse.Namespace, store: TileStore) -> int:
-    write = _swept(subject, options) if options.sweep else _charted(subject, options, store)
+def _explore(target: Target, options: argparse.Namespace, store: TileStore) -> int:
+    write = _swept(target, options) if options.sweep else _charted(target, options, store)
     with staged(options.output) as folder:
         write(folder)
         names = sorted(path.name for path in folder.iterdir())
@@ -99,7 +94,7 @@ def _parser() -> argparse.ArgumentParser:
     window = parser.add_argument_group("where")
     window.add_argument("--Omega", type=float, nargs=2, metavar=("LOW", "HIGH"), help="excitation frequencies")
     window.add_argument(
-        "--eps", type=float, metavar="MAX", help="largest amplitude; with --sweep the one of the widths"
+        "--eps", type=float, metavar="MAX", help="largest amplitude; with --sweep, the one at which widths are compared"
     )
     window.add_argument("--points", type=int, nargs=2, metavar=("COLUMNS", "ROWS"), help="resolution of the chart")
     window.add_argument("--all-modes", action="store_true", help=running.ALL_MODES_HELP)
@@ -107,8 +102,8 @@ def _parser() -> argparse.ArgumentParser:
     result = parser.add_argument_group("result")
     result.add_argument("--html", action="store_true", help="also one self-contained page (needs bokeh)")
     result.add_argument("--netcdf", action="store_true", help="also the chart as NetCDF (needs xarray)")
-    result.add_argument("--no-regions", action="store_true", help="do not trace the regions, which takes as long again")
-    result.add_argument("--sweep", metavar="NAME=LOW:HIGH:COUNT", help="instead: regions over a parameter of the plate")
+    result.add_argument("--no-regions", action="store_true", help="do not trace the regions, which doubles the time")
+    result.add_argument("--sweep", metavar="NAME=LOW:HIGH:COUNT", help="instead: the regions over a parameter")
     result.add_argument("--serve", action="store_true", help="instead: the page live, with sliders (needs bokeh)")
     result.add_argument("--port", type=int, default=5006, help="of the live page (5006); 0 takes a free one")
     result.add_argument("--output", type=Path, default=Path("output"), metavar="DIR", help="where to write (output)")
@@ -117,7 +112,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _check(options: argparse.Namespace) -> None:
-    """Refuse options that would be left without effect."""
+    """Refuse options that would have no effect."""
     if options.all_modes and not options.system:
         raise ValueError("--all-modes belongs to a system; add --system")
     without_effect = {"serve": ("sweep", *OPTIONS_OF_CHARTS), "sweep": ("Omega", *OPTIONS_OF_CHARTS)}
@@ -127,8 +122,8 @@ def _check(options: argparse.Namespace) -> None:
                 raise ValueError(f"--{other.replace('_', '-')} has no meaning with --{instead}; leave it out")
 
 
-def _subject(options: argparse.Namespace) -> Subject:
-    """Return what the options name, their window in place of its own where they give one."""
+def _target(options: argparse.Namespace) -> Target:
+    """Return what the options name, in the window that they give, or else in its own."""
     if options.variant is not None and options.case is None:
         raise ValueError("--variant belongs to a case with several; add --case")
     if options.case:
@@ -136,75 +131,75 @@ def _subject(options: argparse.Namespace) -> Subject:
         label, table = plate_table(case, options.variant)
         if options.variant is None and len(case.variants) > 1:
             others = ", ".join(repr(variant.label) for variant in case.variants[1:])
-            print(f"this is {label!r}; --variant takes also {others}")
+            print(f"this is the variant {label!r}; --variant also takes {others}")
         title = ", ".join(filter(None, (case.title, label)))
         name = re.sub(r"[^\w.]+", "-", f"{case.name} {label}".strip())
         window, eps, points = case.chart.Omega, case.chart.eps, case.chart.points
-        subject = Subject(name, title, table, window, eps, points, case.regions)
+        target = Target(name, title, table, window, eps, points, case.regions)
     elif options.system:
         own = own_system(options.system, options.Omega, options.eps, all_modes=options.all_modes)
         if own.remark:
             print(own.remark)
-        subject = Subject(own.path.stem, own.path.name, own.system, own.window, own.eps)
+        target = Target(own.path.stem, own.path.name, own.system, own.window, own.eps)
     else:
         window, eps = default_window(Plate().build().at(0.0))
-        subject = Subject(STANDARD_NAME, STANDARD_TITLE, Plate(), window, eps, regions=STANDARD_REGIONS)
+        target = Target(STANDARD_NAME, STANDARD_TITLE, Plate(), window, eps, regions=STANDARD_REGIONS)
     given = {
         "window": options.Omega and tuple(options.Omega),
         "eps": options.eps,
         "points": options.points and tuple(options.points),
     }
-    return replace(subject, **{name: value for name, value in given.items() if value is not None})
+    return replace(target, **{name: value for name, value in given.items() if value is not None})
 
 
-def _charted(subject: Subject, options: argparse.Namespace, store: TileStore) -> Callable[[Path], None]:
+def _charted(target: Target, options: argparse.Namespace, store: TileStore) -> Callable[[Path], None]:
     """Compute and report; return what writes the result into a folder."""
-    family, progress = subject.family, not options.no_progress
+    family, progress = target.family, not options.no_progress
     bokeh = _bokeh("--html") if options.html else None
     result = explore(
         family,
-        subject.window,
-        subject.eps,
-        points=subject.points,
+        target.window,
+        target.eps,
+        points=target.points,
         order=options.order,
         trace=not options.no_regions,
-        title=subject.title,
+        title=target.title,
         n_jobs=options.jobs,
         progress=progress,
         cache=store,
     )
     remarks = " ".join(filter(None, (result.audit, result.remark)))
     print(remarks)
-    for line in region_lines(result.regions, subject.eps, f"{subject.name}-regions.json"):
+    for line in region_lines(result.regions, target.eps, f"{target.name}-regions.json"):
         print(f"  {line}")
     page = ""
     if bokeh is not None:
-        points = responses(family, result.chart, n_jobs=options.jobs, progress=progress)
-        view = bokeh.Page(subject.title, "Click the chart: the nearest computed point is shown.")
-        view.frame(subject.window, (0.0, subject.eps))
+        points = clickable_responses(family, result.chart, n_jobs=options.jobs, progress=progress)
+        view = bokeh.Page(target.title, "Click the chart: the nearest computed point is shown.")
+        view.frame(target.window, (0.0, target.eps))
         view.show(result)
         view.tell(remarks)
         page = view.html(points)
 
     def write(folder: Path) -> None:
-        result.write(folder, subject.name, netcdf=options.netcdf)
+        result.write(folder, target.name, netcdf=options.netcdf)
         if page:
-            (folder / f"{subject.name}.html").write_text(page, encoding="utf-8")
+            (folder / f"{target.name}.html").write_text(page, encoding="utf-8")
 
     return write
 
 
-def _swept(subject: Subject, options: argparse.Namespace) -> Callable[[Path], None]:
+def _swept(target: Target, options: argparse.Namespace) -> Callable[[Path], None]:
     """Compute and report; return what writes the result into a folder."""
-    if not isinstance(subject.source, Plate) or subject.regions is None:
+    if not isinstance(target.source, Plate) or target.regions is None:
         raise ValueError("--sweep changes a parameter of the plate; leave out --system")
     name, values = _sweep_values(options.sweep)
     one_of("--sweep", name, SWEEPABLE)
     result = sweep(
-        subject.source,
+        target.source,
         name,
         values,
-        subject.regions,
+        target.regions,
         eps=SWEEP_EPS if options.eps is None else options.eps,
         order=options.order,
         n_jobs=options.jobs,
@@ -212,11 +207,11 @@ def _swept(subject: Subject, options: argparse.Namespace) -> Callable[[Path], No
     )
     if result.remark:
         print(result.remark)
-    stem = f"{subject.name}-{name}"
+    stem = f"{target.name}-{name}"
 
     def write(folder: Path) -> None:
         result.write(folder, stem)
-        figure = sweep_picture(result, title=f"{subject.title}; {name.replace('_', ' ')} varied")
+        figure = sweep_picture(result, title=f"{target.title}; {name.replace('_', ' ')} varied")
         for suffix in ("png", "pdf"):
             figure.savefig(folder / f"{stem}.{suffix}")
 
@@ -236,17 +231,17 @@ def _sweep_values(text: str) -> tuple[str, np.ndarray]:
 
 
 def _bokeh(option: str, module: str = "page") -> Any:
-    """Return a module of compare/ that needs Bokeh, which is not everybody's."""
+    """Return a module of compare.explorer that needs the optional package Bokeh."""
     try:
         return import_module(f"compare.explorer.{module}")
     except ModuleNotFoundError:
         raise ValueError(f"{option} needs bokeh; install it with: pip install 'floquet-charts[explore]'") from None
 
 
-def _serve(subject: Subject, options: argparse.Namespace) -> int:
+def _serve(target: Target, options: argparse.Namespace) -> int:
     live = _bokeh("--serve", "live")
-    state = live.State(subject.source, subject.window, (0.0, subject.eps))
-    server = live.serve(subject.title, state, port=options.port, order=options.order, n_jobs=options.jobs)
+    state = live.State(target.source, target.window, (0.0, target.eps))
+    server = live.serve(target.title, state, port=options.port, order=options.order, n_jobs=options.jobs)
     print(f"open http://{live.ADDRESS}:{server.port}/ in a browser; stop with Ctrl-C", flush=True)
     try:
         server.io_loop.start()

@@ -1,4 +1,4 @@
-"""What the long commands share: workers here or elsewhere, finished parts that are kept, and how it ends."""
+"""What the long commands share: workers here or elsewhere, finished tiles that are kept, and exit statuses."""
 
 from __future__ import annotations
 
@@ -14,17 +14,18 @@ from typing import Any, TextIO
 from compare.cluster import workers_at
 from floquet.chart import TileStore
 
+# The folder, inside that of the results, that keeps finished tiles of charts until all is written.
 UNFINISHED_FOLDER = ".unfinished"
 ALL_MODES_HELP = "integrate every mode of a large model, also those far above the window, which takes much longer"
 STOPPED_RUNS_HELP = f"""\
-A run that was stopped, by Ctrl-C, kill -9 or a power cut, goes on where it was if the same command is given again with
---resume: finished parts of charts are kept in {UNFINISHED_FOLDER} in the output folder until all is written. The results are
-the same to the last bit. Traced boundaries are not kept but computed anew.
+A run that was stopped, by Ctrl-C, kill -9 or a power cut, goes on where it was if you give the same command again with
+--resume. Finished parts of charts are kept in {UNFINISHED_FOLDER}, in the output folder, until all is written. The
+results are the same to the last bit. Traced boundaries are not kept but computed again.
 """
 
 
 class _Steady:
-    """A stream that goes on into nothing once nobody reads it any more, such as after `| head`: the work goes on."""
+    """A stream that writes into nothing once nobody reads it any more, as after `| head`, so that the work goes on."""
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
@@ -47,7 +48,7 @@ class _Steady:
 
 
 def steady_output() -> None:
-    """Let nothing that becomes of the output stop the work: that it has no Greek letters, or that nobody reads it."""
+    """Let no output stop the work: neither a terminal without Greek letters nor a reader that has gone."""
     for name in ("stdout", "stderr"):
         stream = getattr(sys, name)
         if isinstance(stream, TextIOWrapper):
@@ -56,23 +57,23 @@ def steady_output() -> None:
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options that say where a long run is computed and kept."""
+    """Add the options that say where a long run is computed, and where its tiles are kept."""
     running = parser.add_argument_group("running")
-    running.add_argument("--jobs", type=_jobs, default=-1, metavar="N", help="workers; -1, the default, for all cores")
-    running.add_argument("--dask", metavar="ADDRESS", help="compute on all workers of this dask scheduler instead")
+    running.add_argument("--jobs", type=_jobs, default=-1, metavar="N", help="workers (-1: one for each core)")
+    running.add_argument("--dask", metavar="ADDRESS", help="compute on the workers of this dask scheduler instead")
     running.add_argument(
         "--resume",
         nargs="?",
         type=Path,
         const=Path(UNFINISHED_FOLDER),
         metavar="DIR",
-        help=f"go on where a stopped run was; DIR keeps the parts of charts, for good, instead of OUTPUT/{UNFINISHED_FOLDER}",
+        help=f"go on where a stopped run was; DIR, or else OUTPUT/{UNFINISHED_FOLDER}, keeps its parts of charts",
     )
     running.add_argument("--no-progress", action="store_true", help="no progress bars")
 
 
 def run(name: str, options: argparse.Namespace, work: Callable[[TileStore], int]) -> int:
-    """Return the exit status of ``work``, or 2 for wrong input and 130 for an interruption, each with a sentence."""
+    """Do ``work`` and return its exit status; 2 for wrong input and 130 for Ctrl-C, each with a sentence."""
     own = options.resume in (None, Path(UNFINISHED_FOLDER))
     folder = options.output / UNFINISHED_FOLDER if own else options.resume
     store, status = None, None
@@ -97,12 +98,12 @@ def run(name: str, options: argparse.Namespace, work: Callable[[TileStore], int]
         written = "nothing was" if status is None else "all was"
         return _stopped(name, f"interrupted; {written} written", store, 130)
     finally:
-        with suppress(OSError):  # it may hold what was finished
+        with suppress(OSError):  # it may hold finished tiles
             folder.rmdir()
 
 
 def _stopped(name: str, why: str, store: TileStore | None, status: int) -> int:
-    """Say why the command ends, and how to go on if there is something to go on with."""
+    """Say why the command ends, and how to go on if any tile has been kept."""
     print(f"{name}: {why}", file=sys.stderr)
     if store is not None and store.in_use:
         print(

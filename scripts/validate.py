@@ -9,8 +9,7 @@ import sys
 from pathlib import Path
 
 from compare.claims import ClaimVerdict, judge_claims
-from compare.files.cases import load_case, shipped_cases
-from compare.files.publish import staged
+from compare.files import load_case, shipped_cases, staged
 from compare.study import CHART_POINTS, Study, Subject, own_system, run_study, system_subject, write_report
 from compare.window import MODES_SHOWN
 from floquet.chart import TileStore
@@ -25,9 +24,9 @@ examples:
   scripts/validate.py --quick --output first   coarse charts, for a first look
 
 A case file names a plate, a window of excitation frequencies and the regions to look at closely; docs/cases.md lists
-its keys. Of a system the regions between its lowest modes are judged, if you give no window in one that shows their
-main regions. Theory is for small ε: it is held to small ones, where its gap to the integrated boundaries has to shrink
-like ε²; the report says how far it holds beyond.
+its keys. Of a system, the regions of its lowest modes are judged (--modes). Give a window by --Omega and --eps, or
+leave it to the program, which takes one that shows their main regions. Theory is for small ε. There its gap to the
+integrated boundaries has to shrink like ε²; the report says how far it holds beyond.
 
 The exit status is 0 if theory and integration agree everywhere, 1 if they do not or a chart did not pass its audit by
 a second integrator, 2 if the input is wrong.

@@ -1,4 +1,4 @@
-"""One system in one window of excitation frequency and amplitude: chart, analytic curves, pictures, data."""
+"""One system in one window of excitation frequency and amplitude: its chart, regions, analytic curves, files."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 
 from compare.audit import audit_sentence
 from compare.explorer.outlines import WIDTH_LEVELS, draw_outlines
-from compare.files.cases import MAX_CHART_POINTS
+from compare.files import MAX_CHART_POINTS
 from compare.pictures import overlay
 from compare.window import RIGID_FREQUENCY
 from floquet import Region, StabilityChart, stability_chart, trace_regions
@@ -22,9 +22,9 @@ from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import interval, one_of, real_number, whole_number
 from perturb import TransitionCurve, transition_curves
 
-# Regions that start beside the window, by this part of its width, may lean into it.
+# How far beside the window, in parts of its width, a region may start that leans into it.
 LEANING_PART = 0.25
-# Values of eps at which a curve is looked at to see whether it is open anywhere in the window.
+# Amplitudes at which a curve is tested for being open in the window.
 OPEN_TEST_POINTS = 65
 
 
@@ -41,13 +41,13 @@ class Exploration:
     curves : list of TransitionCurve
         Analytic regions that are open somewhere in the window, by ascending centre.
     regions : list of Region
-        Every region of instability in the window, traced and named; empty if that was not wanted, as ``traced`` says.
+        Every region of instability in the window, traced and named. Empty if it was not asked for: see ``traced``.
     order : int
         Order of the theory, 1 or 2.
     remark : str
-        Why there are no analytic curves; empty if there are.
+        Why there are no analytic curves; empty if there are some.
     traced : bool
-        Whether regions were looked for.
+        Whether regions were traced.
     """
 
     title: str
@@ -60,11 +60,11 @@ class Exploration:
 
     @property
     def audit(self) -> str:
-        """What became of the audit, in a sentence."""
+        """What the chart's audit found, in a sentence."""
         return audit_sentence(self.chart.audit)
 
     def write(self, folder: Path, name: str, *, netcdf: bool = False) -> None:
-        """Write ``name``-chart.png, -overlay.png and .pdf, -regions.json, ``name``.npz and on request ``name``.nc.
+        """Write ``name``-chart.png, -overlay.png and .pdf, -regions.json and ``name``.npz; with ``netcdf`` ``name``.nc.
 
         Raises
         ------
@@ -122,9 +122,9 @@ def explore(
     Parameters
     ----------
     family : SystemFamily
-        Any system; one without symmetric positive definite stiffness has no analytic curves, and ``remark`` says so.
+        Any system. Without a symmetric positive definite stiffness it has no analytic curves, and ``remark`` says so.
     Omega_range : (float, float)
-        Excitation frequencies, 0 < low < high.
+        Excitation frequencies, 0 < low < high, in the system's units.
     eps_max : float
         Largest amplitude, > 0; the chart starts at 0.
     points : (int, int)
@@ -132,7 +132,7 @@ def explore(
     order : 1 or 2
         Order of the theory.
     trace : bool
-        Whether to trace the regions; takes about as long as a chart of 256 columns.
+        Whether to trace the regions, which takes about as long as a chart of 256 columns.
     title : str
         Heading.
     n_jobs : int
@@ -140,7 +140,7 @@ def explore(
     progress : bool
         Show a progress bar.
     cache : path or TileStore, optional
-        Folder that keeps finished parts of the chart, as in `floquet.stability_chart`.
+        Folder that keeps finished tiles of the chart, as in `floquet.stability_chart`.
 
     Raises
     ------
@@ -168,13 +168,13 @@ def analytic_curves(
     beside = LEANING_PART * (high - low)
     try:
         curves = transition_curves(family, (max(low - beside, 0.0), high + beside), order=order)
-    except ValueError as error:  # the window has been checked: it is the system that the theory refuses
+    except ValueError as error:  # the window has been checked: the theory refuses the system
         return [], f"The analytic curves are left out: {error}." + _without_stiffness(family.at(low))
     return [curve for curve in curves if _enters(curve, window, eps_max)], ""
 
 
 def _without_stiffness(system: PeriodicSystem) -> str:
-    """Return what there is to say of motions that no stiffness holds; nothing if there are none."""
+    """Return a sentence about motions without stiffness; nothing if there are none."""
     scale = np.linalg.inv(np.linalg.cholesky(system.mass))
     held = np.linalg.svd(scale @ system.stiffness @ scale.T, compute_uv=False)
     free = int((held <= RIGID_FREQUENCY**2 * held[0]).sum())
@@ -182,12 +182,12 @@ def _without_stiffness(system: PeriodicSystem) -> str:
         return ""
     motions = "1 motion has" if free == 1 else f"{free} motions have"
     return (
-        f" {motions} no stiffness (K is singular), hence no frequency: a region opened by such motion belongs to no "
-        "resonance, even if it bears the names of those that it has swallowed."
+        f" {motions} no stiffness (K is singular), and so no frequency: a region that such a motion opens belongs to "
+        "no resonance, even if it bears the names of those that it has swallowed."
     )
 
 
 def _enters(curve: TransitionCurve, window: tuple[float, float], eps_max: float) -> bool:
-    """Whether theory finds the region open, with a width, somewhere in the window."""
+    """Whether theory finds the region open, with some width, anywhere in the window."""
     lower, upper = curve.edges(np.linspace(0, eps_max, OPEN_TEST_POINTS))
     return bool(((upper > lower) & (upper > window[0]) & (lower < window[1])).any())

@@ -1,4 +1,4 @@
-"""The traced regions in lines of text: the widest ones, and how many more there are."""
+"""The traced regions as lines of text: the widest ones, and how many more there are."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from floquet import Region
 from floquet.boundary import Resonance
 from floquet.regions.outlines import largest_width
 
-# At large eps there are a hundred regions, most of them narrower than a line of the picture: these many fit a screen.
+# Regions that get a line: as many as fit a screen. At large eps there are a hundred, most of them narrower than a line.
 MAX_REGION_LINES = 20
-# A wide region may unite dozens of resonances. Those of the lowest order, which are the strongest, are named.
+# Resonances that are named in a line. A wide region may unite dozens; those of the lowest order are the strongest.
 MAX_RESONANCE_NAMES = 3
-# Tips are told to this part of the height of the window: below it are the errors of tracing.
+# Digits of a tip, as a part of the height of the window: below are the errors of tracing.
 TIP_RESOLUTION = 1e-4
 
 
 def region_lines(regions: Sequence[Region], eps_max: float, file: str) -> list[str]:
-    """Return a line for each of the widest regions, in the order of ``regions``, and one that counts the others.
+    """Return a line for each of the widest regions, in the order of ``regions``, and a last one that counts the others.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ def region_lines(regions: Sequence[Region], eps_max: float, file: str) -> list[s
     eps_max : float
         Height of the window in which they were traced.
     file : str
-        Where all of them are to be found.
+        Name of the file that holds all of them.
     """
     widths = [largest_width(region.outlines, WIDTH_LEVELS) for region in regions]
     widest = sorted(range(len(regions)), key=lambda i: -widths[i])
@@ -56,6 +56,6 @@ def _name(region: Region) -> str:
 def _place(region: Region, width: float, eps_max: float) -> str:
     Omega, eps = region.tip
     eps = round(eps, ceil(-log10(TIP_RESOLUTION * eps_max)))
-    if eps == 0 and len(region.resonances) > 1:  # it stands on as many feet as it has names
+    if eps == 0 and len(region.resonances) > 1:  # it starts at each of its resonances; the first one is named
         Omega = _by_order(region)[0].centre
     return f"from Ω = {Omega:.5g}, ε = {eps:.3g}, up to {width:.2g} wide"

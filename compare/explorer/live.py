@@ -1,8 +1,8 @@
 """The explorer live: sliders and zoom change the parameters, and charts of growing resolution follow.
 
-State flows one way. A control replaces one entry of `State`; a worker thread turns the newest state into system, curves
-and charts and hands each to the page; the page changes nothing but what it shows. A result whose state is no longer
-the newest is dropped.
+State flows one way. A control replaces one entry of `State`. A worker thread makes system, curves and charts of the
+newest state, and hands each to the page. The page changes only what it shows. A result is dropped if its state is no
+longer the newest.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ from bokeh.server.server import Server
 
 from compare.explorer.exploration import Exploration, analytic_curves
 from compare.explorer.page import Page
-from compare.explorer.response import response
+from compare.explorer.responses import response
 from compare.explorer.variation import current, varied
-from compare.files.cases import Plate
+from compare.files import Plate
 from floquet import StabilityChart, stability_chart
 from periodic import SystemFamily
 from periodic.checks import whole_number
@@ -37,13 +37,14 @@ from plate import WAVEFORMS
 logger = logging.getLogger(__name__)
 
 ADDRESS = "127.0.0.1"
-# Columns and rows of successive charts. The one before the finest that is expected within the budget answers a control,
-# since a change of the system can make a cell some times dearer; the rest follow while nothing changes.
+# Columns and rows of successive charts. The first one is a step coarser than what MAX_FIRST_CHART_SECONDS are expected
+# to allow, since a change of the system can make a cell cost some times more. The others follow while nothing changes.
 LIVE_RESOLUTIONS = ((24, 12), (48, 24), (96, 48), (192, 96), (256, 128))
 MAX_FIRST_CHART_SECONDS = 0.6
-# A chart is computed in strips of about this length, so that a control never waits long for what nobody needs any more.
+# A chart is computed in parts that take so long, so that a control never waits long for a chart that is out of date.
 MAX_PART_SECONDS = 0.25
-# How far the sliders reach, in multiples of what they start from, and the zoom.
+# Ends of the sliders and of the zoom, in multiples of where they start (speed: of the critical speed); the least end of
+# the damping slider, the largest eps of the zoom, and the end of the slider of harmonics.
 SPEED_REACH, TENSION_REACH, DAMPING_REACH, MIN_DAMPING_REACH = 1.15, 3.0, 10.0, 0.002
 ZOOM_REACH, MAX_ZOOM_EPS, MAX_SLIDER_HARMONICS = 3.0, 10.0, 9
 HINT = "Click the chart for the multipliers and the solution there; zoom with a box to look closer."
@@ -51,7 +52,7 @@ HINT = "Click the chart for the multipliers and the solution there; zoom with a 
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """What the user has chosen: a plate's table, or a system that stays as it is, and the window."""
+    """What the user has chosen: the window, and a plate's table, or a system that no slider changes."""
 
     source: Plate | SystemFamily
     Omega: tuple[float, float]
@@ -59,7 +60,7 @@ class State:
 
     @cached_property
     def family(self) -> SystemFamily:
-        """The system itself; building it raises ValueError where the table makes no plate."""
+        """The system. Raises ValueError where there is no plate with these parameters."""
         return self.source.build() if isinstance(self.source, Plate) else self.source
 
 
@@ -73,7 +74,7 @@ class LivePage:
     title : str
         Heading.
     state : State
-        What it starts from.
+        What the page starts from.
     order : int
         Order of the analytic curves.
     n_jobs : int
@@ -89,7 +90,7 @@ class LivePage:
         self._page = Page(title, HINT)
         self._page.tell("computing the first chart …")
         self._page.frame(state.Omega, state.eps)
-        # Further down a chart would take minutes, since periods grow long.
+        # At lower Omega periods are long, and a chart would take minutes.
         self._page.figure.x_range.bounds = (state.Omega[0] / ZOOM_REACH, state.Omega[1] * ZOOM_REACH)
         self._page.figure.y_range.bounds = (0.0, max(state.eps[1], MAX_ZOOM_EPS))
         self._page.figure.on_event(RangesUpdate, self._zoomed)
@@ -111,7 +112,7 @@ class LivePage:
             self._change(state)
 
     def _change(self, state: State) -> None:
-        """Take over a new state; what is being computed for the old one will be dropped."""
+        """Make a state the newest one; what is being computed for the old one will be dropped."""
         self._state = state
         self._charts.submit(self._work, state, self._compute_charts)
         self._choose(*self._chosen)
@@ -122,23 +123,23 @@ class LivePage:
             self._points.submit(self._work, self._state, partial(self._compute_point, Omega=Omega, eps=max(eps, 0.0)))
 
     def _close(self) -> None:
-        self._state = replace(self._state)  # makes the state that is being worked on an old one
+        self._state = replace(self._state)  # so that the state that is being worked on is no longer the newest
         for executor in (self._charts, self._points):
             executor.shutdown(wait=False, cancel_futures=True)
 
-    # From here on in the worker threads, which read `_state` but change nothing that the page shows.
+    # In the worker threads, which read `_state` but change nothing that the page shows:
 
     def _work(self, state: State, task: Callable[[State], None]) -> None:
         try:
             task(state)
         except ValueError as error:
-            self._later(state, self._page.tell, f"{error}. What is shown is the last valid result.", fault=True)
+            self._later(state, self._page.tell, f"{error}. The page shows the last valid result.", fault=True)
         except Exception as error:
             logger.exception("the explorer met an error of its own")
             self._later(state, self._page.tell, f"{type(error).__name__}: {error}", fault=True)
 
     def _later(self, state: State, show: Callable[..., None], *arguments: Any, **options: Any) -> None:
-        """Let the page show something, unless its state is no longer the newest."""
+        """Let the page show a result, unless its state is no longer the newest."""
 
         def callback() -> None:
             if state is self._state:
@@ -164,19 +165,19 @@ class LivePage:
             seconds = self._seconds_a_cell * columns * rows
             parts = min(ceil(seconds / MAX_PART_SECONDS), columns) if seconds > 0 else 1
             start = time.perf_counter()
-            strips = []
+            done = []
             for part in np.array_split(Omega, parts):
                 if state is not self._state:
                     return
-                strips.append(stability_chart(state.family, part, eps, n_jobs=self._n_jobs, progress=False, audit=0))
+                done.append(stability_chart(state.family, part, eps, n_jobs=self._n_jobs, progress=False, audit=0))
             self._seconds_a_cell = (time.perf_counter() - start) / (columns * rows)
-            yield _joined(strips)
+            yield _joined(done)
 
     def _compute_point(self, state: State, *, Omega: float, eps: float) -> None:
         if state is self._state and self._chosen[0] == Omega:
             self._later(state, self._page.pick, response(state.family, Omega, eps))
 
-    # In Bokeh's thread again.
+    # In Bokeh's thread again:
 
     def _show(self, exploration: Exploration, seconds: float) -> None:
         chart = exploration.chart
@@ -191,7 +192,7 @@ class LivePage:
 
 
 def serve(title: str, state: State, *, port: int, order: int = 1, n_jobs: int = -1) -> Server:
-    """Return a started server of the live page on this machine alone; run its ``io_loop``.
+    """Start a server of the live page, for this machine alone, and return it; the caller runs its ``io_loop``.
 
     Parameters
     ----------
@@ -216,7 +217,7 @@ def serve(title: str, state: State, *, port: int, order: int = 1, n_jobs: int = 
     def open_page(document: Document) -> None:
         LivePage(document, title, state, order, n_jobs)
 
-    # Compiles, or loads, everything that the first page would otherwise wait for.
+    # Compile, or load, what the first page would otherwise wait for.
     stability_chart(state.family, state.Omega, state.eps, n_jobs=1, progress=False, audit=0)
     response(state.family, state.Omega[1], state.eps[1])
 
@@ -229,7 +230,7 @@ def serve(title: str, state: State, *, port: int, order: int = 1, n_jobs: int = 
 
 
 def _controls(plate: Plate, change: Callable[[str, Any], None]) -> list[LayoutDOM]:
-    """Return a row of sliders for the plate's table, each reporting a new value under its name."""
+    """Return a row of sliders for the plate's table; each reports a new value under its name."""
     now = current(plate)
     V_cr = plate.build().critical_speed()
     tension = TENSION_REACH * max(abs(now["tension"]), 1.0)
@@ -266,15 +267,15 @@ def _controls(plate: Plate, change: Callable[[str, Any], None]) -> list[LayoutDO
     return [row(*widgets, waveform, sizing_mode="stretch_width")]
 
 
-def _joined(strips: list[StabilityChart]) -> StabilityChart:
-    """Return one chart of strips that follow each other along Omega."""
+def _joined(parts: list[StabilityChart]) -> StabilityChart:
+    """Return one chart of parts that follow each other along Omega."""
 
     def joined(name: str) -> np.ndarray:
-        return np.concatenate([getattr(strip, name) for strip in strips], axis=-1)
+        return np.concatenate([getattr(part, name) for part in parts], axis=-1)
 
     return StabilityChart(
         Omega=joined("Omega"),
-        eps=strips[0].eps,
+        eps=parts[0].eps,
         growth_rate=joined("growth_rate"),
         multiplier=joined("multiplier"),
         kind=joined("kind"),

@@ -1,4 +1,4 @@
-"""Traced regions as lines: the same corners for the printed overlay and for the page."""
+"""Traced regions as lines: the same for the printed overlay and for the page."""
 
 from __future__ import annotations
 
@@ -14,21 +14,23 @@ from floquet import Region, StabilityChart
 from floquet.regions.outlines import Loop, largest_width
 from periodic.checks import FloatArray
 
+# Width of an outline, in points.
 OUTLINE_POINTS = 1.0
-# An outline nowhere wider than this part of the window would look like a thick line: it is drawn as a faint one, since
-# a large eps has a hundred of them.
+# Largest width in Omega, as a part of the window, of an outline that would look like one thick line. It is drawn as a
+# faint line, since at large eps there are a hundred of them.
 NARROW_PART = 1 / 300
 FAINT_COLOUR, FAINT_POINTS = "#9a9a9a", 0.5
-WIDTH_LEVELS = 32  # at which the width is measured
+# Amplitudes at which the width of an outline is measured.
+WIDTH_LEVELS = 32
 
 
 def closed(values: FloatArray) -> FloatArray:
-    """Return the corners of a polyline with the first one repeated at the end."""
+    """Return the corners of an outline, the first one again at the end."""
     return np.append(values, values[:1])
 
 
 def is_narrow(loop: Loop, Omega_range: FloatArray) -> bool:
-    """Return whether an outline in the window ``Omega_range`` is narrower than a line of the picture."""
+    """Whether an outline in the window ``Omega_range`` is narrower than a line of the picture."""
     return bool(largest_width([loop], WIDTH_LEVELS) < NARROW_PART * (Omega_range[-1] - Omega_range[0]))
 
 

@@ -1,7 +1,8 @@
-"""The explorer's page: chart, multipliers and growing solution in Bokeh, alike in a file and on the live server.
+"""The explorer's page in Bokeh: chart, multipliers and growing solution, the same in a file and on the live server.
 
-Everything the page shows lives in four sources. `Page.show` fills those of the chart from an `Exploration`,
-`Page.pick` (live) or a click (in a file) chooses a `Response`, and the browser draws it: data flow one way.
+All that the page shows is in its data sources, and data flow one way. `Page.show` fills the sources of the chart from
+an `Exploration`. `Page.pick` (live) or a click (in a file) chooses a `Response`. The browser draws what is in the
+sources.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ from bokeh.resources import INLINE
 
 from compare.explorer.exploration import Exploration
 from compare.explorer.page_data import cell_data, curve_data, label_data, outline_data, point_data
-from compare.explorer.response import Response
+from compare.explorer.responses import Response
 from compare.pictures import BLUE, GREEN, GREY, ORANGE, PURPLE
 from floquet import Kind
 
@@ -57,19 +58,21 @@ KIND_NAMES = [
     (int(Kind.MINUS_ONE), "unstable, multiplier near −1"),
     (int(Kind.COMPLEX), "unstable, complex pair"),
 ]
+# Periods over which the solution is drawn.
 SOLUTION_PERIODS = 10
-MAX_CIRCLE_DECADES = 16  # circles around the unit circle, at |mu| = 10, 100, ...
+# Circles around the unit circle, at |mu| = 10, 100, ...
+MAX_CIRCLE_DECADES = 16
 
 
 class Page:
-    """One page: `layout` to embed, `show` and `pick` to fill.
+    """One page: `show` and `pick` fill it, `html` makes a file of it, `live` puts it into a server's document.
 
     Parameters
     ----------
     title : str
         Heading.
     hint : str
-        What clicking does.
+        What a click does, in a sentence.
     """
 
     def __init__(self, title: str, hint: str) -> None:
@@ -90,7 +93,7 @@ class Page:
         self.message.text = f"<span style='color:{ORANGE if fault else GREY}'>{escape(text)}</span>"
 
     def frame(self, Omega: tuple[float, float], eps: tuple[float, float]) -> None:
-        """Set the window that the page opens with and that the reset tool goes back to."""
+        """Set the window that the page opens with, and to which the reset tool returns."""
         self.figure.x_range.update(start=Omega[0], end=Omega[1], reset_start=Omega[0], reset_end=Omega[1])
         self.figure.y_range.update(start=eps[0], end=eps[1], reset_start=eps[0], reset_end=eps[1])
 
@@ -111,11 +114,11 @@ class Page:
         self.points.data = point_data([response])
 
     def live(self, document: Document, controls: Sequence[LayoutDOM]) -> None:
-        """Put the page into a server's document, to draw a point whenever `pick` gives one."""
+        """Put the page into a server's document; it draws a point whenever `pick` gives one."""
         draw = CustomJS(args=self._draw, code=f"{SCRIPT}\ndraw(0)")
-        self.figure.tags = [self.points]  # makes it part of the document, which no other model does
+        self.figure.tags = [self.points]  # no other model makes it part of the document
         self.points.js_on_change("data", draw)
-        document.js_on_event(DocumentReady, draw)  # a point that came before the browser was ready for changes
+        document.js_on_event(DocumentReady, draw)  # for a point that came before the browser was ready
         document.add_root(self.layout(controls))
 
     def html(self, responses: Sequence[Response]) -> str:

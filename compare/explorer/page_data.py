@@ -1,4 +1,4 @@
-"""What the explorer's page shows, as plain columns for its sources; nothing here knows of Bokeh."""
+"""What the explorer's page shows, as plain columns for its sources, without Bokeh."""
 
 from __future__ import annotations
 
@@ -9,19 +9,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.explorer.outlines import FAINT_COLOUR, FAINT_POINTS, closed, is_narrow
-from compare.explorer.response import Response
+from compare.explorer.responses import Response
 from floquet import Kind, Region, StabilityChart
 from perturb import TransitionCurve
 
 UNEXPLAINED = "no resonance explains it"
+# Points of an analytic curve.
 PAGE_CURVE_POINTS = 121
-# A label takes this part of the window's width; regions narrower than the other part get none, nor those that find no
-# place on these lines (the curve under the pointer tells its name).
+# Width of a label and least width of a region that gets one, as parts of the window. Regions that find no place on so
+# many lines get none: the curve under the pointer tells its name.
 LABEL_PART, MIN_LABELLED_PART, LABEL_LINES = 0.065, 1 / 400, 4
 
 
 def cell_data(chart: StabilityChart | None) -> dict[str, Any]:
-    """Return the images of a chart: cells are centred on its grid points. Stable cells are transparent."""
+    """Return the images of a chart. Cells are centred on its grid points; stable ones are transparent."""
     names = ("growth", "kind", "rate", "verdict", "error")
     if chart is None:
         return {name: [] for name in (*names, "x", "y", "dw", "dh")}
@@ -40,9 +41,9 @@ def _extent(grid: NDArray[np.float64]) -> tuple[float, float]:
 
 
 def curve_data(curves: Sequence[TransitionCurve], chart: StabilityChart) -> dict[str, Any]:
-    """Return both edges of every analytic region, with gaps where it is closed."""
+    """Return both edges of every analytic region, interrupted where it is closed."""
     eps_max = float(chart.eps[-1])
-    # crowded towards each tip, where a damped region turns
+    # more of them near each tip, where a damped region turns
     share = np.linspace(0, 1, PAGE_CURVE_POINTS) ** 2
     xs, ys, names = [], [], []
     for curve in curves:
@@ -56,7 +57,7 @@ def curve_data(curves: Sequence[TransitionCurve], chart: StabilityChart) -> dict
 
 
 def outline_data(regions: Sequence[Region], chart: StabilityChart) -> dict[str, Any]:
-    """Return every outline of the traced regions, closed, under the region's name; narrow ones are faint."""
+    """Return every outline of the traced regions, closed, with the region's label; narrow ones are faint."""
     pairs = [(region.label or UNEXPLAINED, loop) for region in regions for loop in region.outlines]
     narrow = [is_narrow(loop, chart.Omega) for _, loop in pairs]
     return {
@@ -69,7 +70,7 @@ def outline_data(regions: Sequence[Region], chart: StabilityChart) -> dict[str, 
 
 
 def label_data(curves: Sequence[TransitionCurve], chart: StabilityChart) -> dict[str, Any]:
-    """Place the names of the widest regions at the top of the chart, on lines without overlap."""
+    """Place the labels of the widest regions at the top of the chart, on lines, so that none overlaps another."""
     low, high, bottom, top = (float(grid[end]) for grid in (chart.Omega, chart.eps) for end in (0, -1))
     room = LABEL_PART * (high - low)
     seen = []
@@ -93,7 +94,7 @@ def label_data(curves: Sequence[TransitionCurve], chart: StabilityChart) -> dict
 
 
 def point_data(responses: Sequence[Response]) -> dict[str, Any]:
-    """Return one row for each response; multipliers and waves (of modulus 1 at most) as rows of a matrix."""
+    """Return one row for each response; multipliers and waves as rows of a matrix."""
 
     def matrix(values: list[NDArray[np.float64]], dtype: type[np.floating]) -> NDArray[Any]:
         return np.array(values, dtype) if values else np.empty((0, 0), dtype)

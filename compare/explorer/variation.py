@@ -1,19 +1,20 @@
-"""One plate with one thing changed: what the sweeps and the live page's sliders do."""
+"""One plate with one parameter changed: for sweeps, and for the sliders of the live page."""
 
 from __future__ import annotations
 
 import json
 from typing import Any
 
-from compare.files.cases import Case, Load, Plate
+from compare.files import Case, Load, Plate
 from periodic.checks import one_of, real_number
 
+# What `varied` changes: numbers of the plate, and for a sweep also the width of the load.
 PLATE_NUMBERS = ("speed", "tension", "damping", "aspect_ratio", "poisson_ratio", "thickness_ratio")
 SWEEPABLE = (*PLATE_NUMBERS, "width")
 
 
 def plate_table(case: Case, label: str | None = None) -> tuple[str, Plate]:
-    """Return label and complete table of one variant of a case; the first if ``label`` is None.
+    """Return label and complete table of one variant of a case: of the first one if ``label`` is None.
 
     Raises
     ------
@@ -34,10 +35,10 @@ def varied(plate: Plate, name: str, value: Any) -> Plate:
     plate : Plate
         Table of a case file.
     name : str
-        One of the plate's numbers, "width" (the load spread evenly over that part of the edge, about the centre it
-        had), "waveform" or "harmonics".
+        A number of the plate, "width", "waveform" or "harmonics". With "width" the load is spread evenly over that part
+        of the edge, about the centre that it had.
     value : float, str or int
-        The new value. Whether it makes a plate shows when the table is built.
+        The new value. Whether there is such a plate shows when the table is built.
 
     Raises
     ------
@@ -60,7 +61,7 @@ def _varied_load(load: Load, name: str, value: Any) -> Load:
 
 
 def current(plate: Plate) -> dict[str, Any]:
-    """Return the value of everything that `varied` changes, class defaults included."""
+    """Return the value of everything that `varied` can change, defaults included."""
     built = plate.build()
     width = plate.load.parameters.get("width", 1.0) if plate.load.shape == "partial" else 1.0
     waveform = plate.load.waveform if isinstance(plate.load.waveform, str) else "custom"

@@ -14,15 +14,15 @@ from plate import EdgeLoad, MovingPlate
 
 _T = TypeVar("_T", bound=BaseModel)
 FiniteFloat = Annotated[float, Field(allow_inf_nan=False)]
-# More columns or rows than any screen has; keeps a slip from filling the memory.
+# Columns or rows of a chart. More than any screen has; a slip of the pen does not fill the memory.
 MAX_CHART_POINTS = 10_000
 Points = Annotated[int, Field(ge=2, le=MAX_CHART_POINTS)]
-# It begins the names of the files of a result, which stay in its folder.
+# The names of result files begin with it; without a slash, these stay in their folder.
 FileName = Annotated[str, Field(pattern=r"^[^/\\\x00-\x1f]*$", max_length=100)]
 
-# The paper's: between its three lowest modes.
+# Pairs of modes, from 1, whose regions the paper shows: those of its three lowest modes.
 STANDARD_REGIONS = [(1, 1), (2, 2), (3, 3), (1, 2), (1, 3), (2, 3)]
-# As many as the pictures have colours that every reader can tell apart.
+# Variants of a case: the pictures have as many colours that every reader can tell apart.
 MAX_VARIANTS = 4
 
 
@@ -180,7 +180,7 @@ def load_case(path: str | Path) -> Case:
 
 
 def _strictly(model: type[_T], data: dict[str, Any]) -> _T:
-    """Validate by pydantic's JSON rules: arrays become tuples, but no text becomes a number."""
+    """Validate by pydantic's rules for JSON: arrays become tuples, but no text becomes a number."""
     return model.model_validate_json(json.dumps(data, default=str))
 
 

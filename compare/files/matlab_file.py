@@ -16,10 +16,13 @@ from numpy.typing import NDArray
 
 from periodic.checks import FloatArray
 
+# The format's numbers for types of elements: of numbers (as NumPy calls them), of a matrix, of compressed data.
 MATLAB_NUMBER_TYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
 MATRIX_TYPE, COMPRESSED_TYPE = 14, 15
+# Its numbers for classes of matrices, and the flag of complex ones.
 SPARSE_CLASS, NUMERIC_CLASSES = 5, range(6, 16)
 COMPLEX_FLAG = 0x0800
+# Bytes before the first element.
 HEADER_BYTES = 128
 
 
@@ -42,7 +45,7 @@ def read_matlab(path: Path, most: int) -> dict[str, FloatArray]:
     matrices: dict[str, FloatArray] = {}
     for kind, content in _elements(data[HEADER_BYTES:], order):
         if kind == COMPRESSED_TYPE:
-            content = _decompress(content, 16 * most**2 + 4096)  # the widest numbers and their frame
+            content = _decompress(content, matrix_bytes(most))
             kind, content = next(_elements(content, order), (0, b""))
         if kind != MATRIX_TYPE:
             raise ValueError(f"it holds an element of type {kind} where a variable should be")
@@ -52,6 +55,11 @@ def read_matlab(path: Path, most: int) -> dict[str, FloatArray]:
         if name:  # MATLAB keeps what belongs to no variable under an empty name
             matrices[name] = matrix
     return matrices
+
+
+def matrix_bytes(coordinates: int) -> int:
+    """Return the most bytes that a square matrix takes in a file: its entries in the widest type, and a header."""
+    return 16 * coordinates**2 + 4096
 
 
 def _elements(data: bytes, order: str) -> Iterator[tuple[int, bytes]]:

@@ -13,18 +13,16 @@ from typing import Any
 import numpy as np
 from scipy.io import savemat
 
-from compare.files.matlab_file import read_matlab
+from compare.files.matlab_file import matrix_bytes, read_matlab
 from compare.files.matrix_market import read_matrix_market, write_matrix_market
 from compare.files.publish import staged
 from periodic import PeriodicSystem
 from periodic.checks import FloatArray, real_array
 
-# A dense matrix of this size still fits every step of the integrators; larger models are reduced to their lowest
-# modes first. With the limit on harmonics it also bounds the memory that a damaged file can ask for.
-MAX_FILE_COORDINATES = 500
-MAX_FILE_HARMONICS = 64
-# The largest such matrix in the widest number type, with room for a header.
-MAX_MATRIX_BYTES = 16 * MAX_FILE_COORDINATES**2 + 4096
+# Coordinates and harmonics of a system from a file. So many coordinates can still be integrated; a larger model has to
+# be reduced to its lowest modes first. Together they bound the memory that a damaged file can ask for.
+MAX_FILE_COORDINATES, MAX_FILE_HARMONICS = 500, 64
+MAX_MATRIX_BYTES = matrix_bytes(MAX_FILE_COORDINATES)
 
 ZIP_MAGIC = b"PK\x03\x04"
 MATRIX_NAMES = {"mass": "M", "gyroscopic": "G", "damping": "C", "stiffness": "K"}
@@ -81,9 +79,10 @@ def save_system(path: str | Path, system: PeriodicSystem) -> None:
     Parameters
     ----------
     path : str or Path
-        Where: a name ending in .npz or .mat, or a folder for Matrix Market files. Replaced only by complete files.
+        A name ending in .npz or .mat, or a folder for Matrix Market files. An old file is replaced only by a complete
+        new one.
     system : PeriodicSystem
-        What. Matrices that are zero and not needed are left out.
+        Its matrices are written, but for those that are zero and not needed.
 
     Raises
     ------
@@ -192,16 +191,16 @@ def _read_folder(path: Path) -> dict[str, FloatArray]:
 
 @contextmanager
 def _parser_of(path: Path, what: str) -> Iterator[None]:
-    """Turn whatever a parser makes of a damaged file into a ValueError that names the file."""
+    """Turn every exception of a parser, whatever its type, into a ValueError that names the file."""
     try:
-        if not (path.is_file() or path.is_dir()):  # a pipe or a device might never end
+        if not (path.is_file() or path.is_dir()):  # reading a pipe or a device might never end
             raise ValueError("it is no file")
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             yield
     except OSError as error:
         raise ValueError(f"{path}: cannot be read ({error.strerror or error})") from None
-    except Exception as error:  # parsers answer a wrong byte with exceptions of any type
+    except Exception as error:  # a wrong byte makes parsers raise exceptions of any type
         raise ValueError(f"{path}: cannot be read as {what} ({str(error) or type(error).__name__})") from None
 
 

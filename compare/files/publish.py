@@ -1,4 +1,4 @@
-"""Write a folder of results so that an old result is replaced only by a complete new one."""
+"""Write a folder of results: an old result is replaced only by a complete new one."""
 
 from __future__ import annotations
 
@@ -11,19 +11,20 @@ from pathlib import Path
 
 @contextmanager
 def staged(folder: str | Path) -> Iterator[Path]:
-    """Yield an empty folder whose files move into ``folder``, each in one step, once the block has succeeded.
+    """Yield an empty folder; once the ``with`` block has succeeded, its files move into ``folder``, each in one step.
 
-    If the block raises or the process dies, ``folder`` keeps the files it had; other files in it are never touched.
+    If the block raises, or the process dies, ``folder`` keeps the files that it had. Other files in it are never
+    touched.
 
     Parameters
     ----------
     folder : str or Path
-        Where the files shall end up; made if it does not exist.
+        Where the files go in the end. It is made if it does not exist.
 
     Raises
     ------
     ValueError
-        If ``folder`` cannot be made or written to, the disk is full, or there is a folder where a file shall be.
+        If ``folder`` cannot be made or written to, the disk is full, or a folder stands where a file has to go.
     """
     target = Path(folder)
     try:

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from compare.files import MATRIX_NAMES, load_system
 from compare.files.cases import MAX_CHART_POINTS
-from compare.files.matrices import FIELDS, load_system
 from compare.study.study import Subject
 from compare.study.truncation import lowest_modes
 from compare.window import MODES_SHOWN, default_window
@@ -106,7 +106,7 @@ def system_subject(own: OwnSystem, *, points: tuple[int, int] = CHART_POINTS, mo
         small = min(own.eps / LADDER_PARTS[-1], default_window(own.system)[1])
     except ValueError as error:
         field = str(error).partition(" ")[0]
-        name = f"{FIELDS[field]} ({field})" if field in FIELDS else "the system"
+        name = f"{MATRIX_NAMES[field]} ({field})" if field in MATRIX_NAMES else "the system"
         raise ValueError(
             f"{own.path}: there is no theory to compare with, because of {name}: {error}. "
             "scripts/explore.py --system draws its chart without"

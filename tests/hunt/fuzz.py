@@ -23,7 +23,7 @@ import numpy as np
 import scipy.io
 import scipy.sparse
 
-from compare.files.cases import Plate, load_case
+from compare.files import Plate, load_case
 from compare.files.matrices import MATRIX_NAMES, load_system
 from floquet import monodromy
 from periodic import PeriodicSystem

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from compare.files.matrices import save_system
+from compare.files import save_system
 from floquet import StabilityChart, stability_chart
 from floquet_scripts import explore
 from periodic.examples import coupled_mathieu, mathieu
@@ -87,7 +87,7 @@ def test_a_finite_element_model_is_explored_in_its_lowest_modes(run: Run, tmp_pa
 def test_the_variants_of_a_case(run: Run, tmp_path: Path) -> None:
     status, said, _ = run("--case", "two.toml")
     assert status == 0
-    assert "this is 'slow'; --variant takes also 'half as wide'" in said
+    assert "this is the variant 'slow'; --variant also takes 'half as wide'" in said
     status, _, _ = run("--case", "two.toml", "--variant", "half as wide", "--eps", 0.1)
     assert status == 0
     assert {"two-slow.npz", "two-half-as-wide.npz"} <= set(_written(tmp_path))

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from compare.files.matrices import save_system
+from compare.files import save_system
 from floquet import StabilityChart, monodromy
 from floquet_scripts import explore
 from periodic.examples import coupled_mathieu

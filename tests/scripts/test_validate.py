@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from compare.files.matrices import save_system
+from compare.files import save_system
 from floquet_scripts.validate import main
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu
 from tests.finite_elements import column

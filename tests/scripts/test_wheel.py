@@ -46,7 +46,7 @@ def _run(bin_folder: Path, empty: Path, command: str, *arguments: str) -> str:
 @pytest.mark.slow
 def test_the_installed_commands_run_from_an_empty_folder(bin_folder: Path, tmp_path: Path) -> None:
     shipped = (
-        "from compare.files.cases import load_case, shipped_cases\n"
+        "from compare.files import load_case, shipped_cases\n"
         "print([load_case(path).name for path in shipped_cases()], load_case.__code__.co_filename)"
     )
     said = _run(bin_folder, tmp_path, "python", "-c", shipped)

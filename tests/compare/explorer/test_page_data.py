@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from compare.explorer.page_data import LABEL_LINES, cell_data, curve_data, label_data, point_data
-from compare.explorer.response import response
+from compare.explorer.responses import response
 from floquet import Kind, StabilityChart, stability_chart
 from periodic.examples import coupled_mathieu, mathieu, meissner
 from perturb import transition_curves

@@ -1,4 +1,4 @@
-"""The Floquet solution behind one point of a chart: its multipliers and how it grows from period to period."""
+"""The Floquet solution at one point of a chart: all multipliers, and the solution that grows fastest."""
 
 from __future__ import annotations
 
@@ -14,13 +14,16 @@ from floquet.running import gather
 from periodic import SystemFamily
 from periodic.checks import ComplexArray, FloatArray
 
-# Enough for a smooth curve of a solution with a dozen oscillations in a period.
+# Places in a period at which a solution is drawn. A solution with a dozen oscillations is still smooth.
 SAMPLES_PER_PERIOD = 96
-# A picture of the solution needs no more than this; the verdict comes from `floquet.monodromy`.
+# Relative error of the solution that is drawn. The verdict does not depend on it: that is `floquet.monodromy`'s.
 SOLUTION_TOLERANCE = 1e-6
-# Columns and rows of blocks that can be clicked in a file: half a megabyte and half a minute for 28 coordinates.
+# Points along Omega and eps that can be clicked in a file: half a megabyte and half a minute for 28 coordinates.
 CLICKABLE_POINTS = (32, 16)
-# Multipliers this close in modulus to the largest one are as dominant as it: all of a stable elastic system.
+# Digits behind the point to which growth rates are compared; what differs by less is rounding.
+RATE_DIGITS = 12
+# Multipliers whose moduli differ by less, relative to the largest, are equally dominant: of a stable elastic system,
+# all.
 DOMINANCE_TOLERANCE = 1e-6
 
 
@@ -41,12 +44,12 @@ class Response:
     kind : Kind
         Verdict.
     mu : complex
-        Multiplier of the solution shown: the largest, and of several equally large ones that of slowest motion.
+        Multiplier of the solution shown: the largest one. Of several equally large ones, that of the slowest motion.
     coordinate : int
-        The coordinate with the largest motion, from 0.
-    wave : complex ndarray, shape (SAMPLES_PER_PERIOD,)
-        That coordinate over one period at t = k T / SAMPLES_PER_PERIOD, largest modulus 1; in the following periods it is
-        mu wave, mu^2 wave, ... Its real part is a solution.
+        The coordinate that moves most, counted from 0.
+    wave : complex ndarray, shape (m,)
+        That coordinate at t = k T / m, k = 0, ..., m - 1, scaled to a largest modulus of 1. In the following periods it
+        is mu wave, mu^2 wave, ... Its real part is a solution.
     """
 
     Omega: float
@@ -107,13 +110,12 @@ def response(family: SystemFamily, Omega: float, eps: float) -> Response:
     )
 
 
-def responses(
+def clickable_responses(
     family: SystemFamily, chart: StabilityChart, *, n_jobs: int = -1, progress: bool = False
 ) -> list[Response]:
-    """Return the response at one cell of each block of a chart: the points that can be clicked in a file.
+    """Return the responses at the points of a chart that can be clicked in a file (`clickable_points`).
 
-    A block gives its fastest-growing cell, so that no region is missed that the chart shows. Points that cannot be
-    integrated are left out.
+    Points that cannot be integrated are left out.
     """
     rows, columns = clickable_points(chart.growth_rate, *CLICKABLE_POINTS)
     tasks = [(family, float(chart.Omega[m]), float(chart.eps[k])) for k, m in zip(rows, columns, strict=True)]
@@ -129,23 +131,25 @@ def _try(family: SystemFamily, Omega: float, eps: float) -> Response | None:
 
 
 def clickable_points(growth_rate: FloatArray, columns: int, rows: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Return row and column of the fastest-growing cell of each block of a chart, so that no narrow region is missed.
+    """Divide a chart into rectangles of cells; return row and column of the fastest-growing cell of each.
+
+    So every region that the chart shows has a point, however narrow it is.
 
     Parameters
     ----------
     growth_rate : ndarray, shape (k, m)
         Of a chart.
     columns, rows : int
-        Number of blocks along m and k; fewer if the chart is smaller.
+        Number of rectangles along m and k; fewer if the chart has fewer cells.
     """
     k, m = growth_rate.shape
     picks = []
     for row in np.array_split(np.arange(k), min(rows, k)):
         for column in np.array_split(np.arange(m), min(columns, m)):
-            block = growth_rate[np.ix_(row, column)]
-            # ties, as in a block that is all stable, go to its middle
+            rates = growth_rate[np.ix_(row, column)]
+            # where all is stable, the cell in the middle
             distance = np.add.outer(np.abs(row - row.mean()), np.abs(column - column.mean()))
-            best = np.lexsort((distance.ravel(), -np.round(block.ravel(), 12)))[0]
+            best = np.lexsort((distance.ravel(), -np.round(rates.ravel(), RATE_DIGITS)))[0]
             picks.append((row[best // column.size], column[best % column.size]))
     chosen = np.array(picks, dtype=np.intp)
     return chosen[:, 0], chosen[:, 1]

@@ -1,4 +1,4 @@
-"""The picture of a sweep: centres, widths and thresholds of the regions over a parameter."""
+"""The picture of a sweep: centres, widths and tips of the regions over a parameter."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from compare.explorer.sweep import MAX_TRACED_TIP, Sweep
+from compare.explorer.sweeps import MAX_TRACED_TIP, Sweep
 from compare.pictures import BLUE, GREEN, GREY, ORANGE, PURPLE, STYLE, new_figure
 
 # Okabe and Ito's colours that stand out from white.
@@ -25,12 +25,12 @@ AXIS_NAMES = {
 
 
 def sweep_picture(result: Sweep, *, title: str = "") -> Figure:
-    """Draw lines by theory and points by integration: centres and widths, and thresholds if there is damping.
+    """Draw centres and widths, and tips if there is damping: lines by theory, circles by integration.
 
     Parameters
     ----------
     result : Sweep
-        From `compare.explorer.sweep.sweep`.
+        From `compare.explorer.sweep`.
     title : str
         Heading.
 
@@ -41,7 +41,7 @@ def sweep_picture(result: Sweep, *, title: str = "") -> Figure:
     damped = any(((region.tip > 0) & np.isfinite(region.tip)).any() for region in result.regions)
     panels = [("centre", "centre Ω at ε → 0"), ("width", f"width in Ω at ε = {result.eps:g}")]
     if damped:
-        panels.append(("tip", "threshold ε"))
+        panels.append(("tip", "tip ε"))
     with mpl.rc_context(STYLE):
         figure = new_figure((9.0, 2.5 * len(panels) + 0.9))
         axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
@@ -77,7 +77,7 @@ def _draw(axes: Axes, result: Sweep, quantity: str) -> None:
 
 
 def _most(result: Sweep, quantity: str) -> float:
-    """Return how far up an axis needs to go; near divergence the widths of theory leave every bound."""
+    """Return how far up an axis has to reach; near divergence the widths of theory grow beyond bounds."""
     if quantity == "tip":
         return MAX_TRACED_TIP
     traced = [getattr(region, f"traced_{quantity}") for region in result.regions]

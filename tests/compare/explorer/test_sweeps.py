@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from compare.explorer.sweep import sweep
-from compare.explorer.sweep_picture import sweep_picture
+from compare.explorer.sweep_panels import sweep_picture
+from compare.explorer.sweeps import sweep
 from compare.explorer.variation import SWEEPABLE, current, plate_table, varied
-from compare.files.cases import Load, Plate, load_case
+from compare.files import Load, Plate, load_case
 from floquet import monodromy
 from tests.paths import ROOT
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from compare.explorer.response import SAMPLES_PER_PERIOD, clickable_points, response, responses
+from compare.explorer.responses import SAMPLES_PER_PERIOD, clickable_points, clickable_responses, response
 from floquet import Kind, monodromy, stability_chart
 from periodic import PeriodicSystem
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu, meissner
@@ -89,6 +89,6 @@ def test_a_chart_smaller_than_the_blocks() -> None:
 
 def test_points_that_cannot_be_integrated_are_left_out() -> None:
     chart = stability_chart(mathieu(), [0.5, 0.6], [0.0, 1e4], n_jobs=1, progress=False, audit=0)
-    found = responses(mathieu(), chart, n_jobs=1)
+    found = clickable_responses(mathieu(), chart, n_jobs=1)
     # at eps = 1e4 the solution grows by exp(700) in a period
     assert {point.eps for point in found} == {0.0}

@@ -1,4 +1,4 @@
-"""How the regions of a plate move with one of its parameters: lines by theory, a few points by integration."""
+"""How the regions of a plate move with one of its parameters: by theory, and at a few values by integration."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 from tqdm import tqdm
 
 from compare.explorer.variation import SWEEPABLE, varied
-from compare.files.cases import Plate
+from compare.files import Plate
 from compare.verdicts import traced_curve
 from floquet import Kind, monodromy
 from floquet.running import gather
@@ -22,33 +22,34 @@ from periodic.checks import FloatArray, grid, one_of, real_number, whole_number
 from perturb import TransitionCurve, gyroscopic_modes, transition_curves
 from plate import MovingPlate
 
-# Values of the parameter at which regions are traced too: enough to see whether the line is right.
+# Values of the parameter at which regions are traced as well: enough to see whether the line is right.
 MAX_TRACED_VALUES = 6
-# A threshold is looked for on the centre line that the region has this far above the threshold of theory, ...
+# The tip is looked for at the middle of the region at this multiple of the tip of theory, ...
 TIPS_TO_CENTRELINE = 1.05
-# ... between these multiples of the threshold of theory.
+# ... between these multiples of it.
 MIN_TIP_RATIO, MAX_TIP_RATIO = 0.5, 1.5
-# Thresholds beyond this are neither traced nor drawn: the excitation exceeds the static load, and theory its range.
+# Largest amplitude of a tip that is traced and drawn. Beyond it the excitation exceeds the static load, and theory its
+# range.
 MAX_TRACED_TIP = 1.0
 
 
 @dataclass(frozen=True, eq=False)
 class RegionSweep:
-    """One region along a sweep of m values, of which k are traced.
+    """One region at the m values of a sweep, of which k are traced.
 
     Attributes
     ----------
     label : str
-        Name of the resonance, with the modes numbered by frequency at each value: where two frequencies cross, two
-        regions change names.
+        The resonance. Modes are numbered by frequency at each value: where two frequencies cross, two regions change
+        labels.
     centre, slope, tip : ndarray, shape (m,)
-        By theory: frequency at which the region opens, d(half width) / d eps for large eps, and threshold.
+        By theory: the frequency at which the region opens, d(half width) / d eps at large eps, and the tip.
     width : ndarray, shape (m,)
         By theory, at the sweep's eps; 0 where the region is closed.
     traced_centre, traced_width, traced_tip : ndarray, shape (k,)
         By integration: middle of the two edges at the sweep's eps (NaN where closed), their distance (0 where closed),
-        and threshold (NaN without damping, above 1, or where there is none near the one of theory). All are NaN where
-        damping moves the frequencies by more than a few per cent.
+        and tip (NaN without damping, above 1, or where there is none near that of theory). All are NaN where damping
+        moves the frequencies by more than a few per cent.
     """
 
     label: str
@@ -63,7 +64,7 @@ class RegionSweep:
 
 @dataclass(frozen=True, eq=False)
 class Sweep:
-    """Regions as functions of a parameter; made by `sweep`.
+    """Regions as functions of a parameter, made by `sweep`.
 
     Attributes
     ----------
@@ -75,7 +76,7 @@ class Sweep:
         Values of the parameter; the traced ones are among them.
     regions : list of RegionSweep
     left_out : list of (float, str)
-        Values at which there is no such plate, and why.
+        Values at which there is no plate, and why.
     """
 
     name: str
@@ -95,7 +96,7 @@ class Sweep:
         return f"{self.name} {few} is left out: {self.left_out[0][1]}"
 
     def write(self, folder: Path, name: str) -> None:
-        """Write ``name``.csv, one line for each value and region, and ``name``.npz, one array for each attribute."""
+        """Write ``name``.csv, a line for each value and region, and ``name``.npz, an array for each attribute."""
         lines = ("centre", "slope", "tip", "width")
         points = ("traced_centre", "traced_width", "traced_tip")
         with (folder / f"{name}.csv").open("w", encoding="utf-8", newline="") as file:
@@ -126,7 +127,7 @@ def sweep(
     n_jobs: int = -1,
     progress: bool = False,
 ) -> Sweep:
-    """Follow the main regions (sum type, first harmonic) of a plate along one parameter.
+    """Follow the main regions of a plate, those of sum type and first harmonic, along one parameter.
 
     Parameters
     ----------
@@ -135,7 +136,7 @@ def sweep(
     name : str
         "speed", "tension", "damping", "aspect_ratio", "poisson_ratio", "thickness_ratio" or "width" (of the load).
     values : array_like, shape (m,)
-        Increasing. Those without a plate, such as speeds above divergence, are left out and listed.
+        Increasing. Values at which there is no plate, such as speeds above divergence, are left out and listed.
     regions : sequence of (int, int)
         Pairs of modes, from 1.
     eps : float
@@ -204,7 +205,7 @@ def _row(curves: Sequence[TransitionCurve], eps: float, points: FloatArray) -> R
 
 
 def _trace(family: MovingPlate, curve: TransitionCurve, eps: float) -> tuple[float, float, float]:
-    """Return centre, width and threshold of a region by integration; NaN where it is not that of the curve any more."""
+    """Return centre, width and tip of a region by integration; NaN where it is no longer the region of the curve."""
     trace = traced_curve(family, curve, eps)
     if trace is None:
         return float("nan"), float("nan"), float("nan")
@@ -215,7 +216,7 @@ def _trace(family: MovingPlate, curve: TransitionCurve, eps: float) -> tuple[flo
 
 
 def _traced_tip(family: MovingPlate, curve: TransitionCurve) -> float:
-    """Return the eps at which the largest multiplier leaves the unit circle on the region's centre line."""
+    """Return the eps at which the largest multiplier leaves the unit circle on the region's centreline."""
     if not 0 < curve.tip < MAX_TRACED_TIP:
         return float("nan")
     trace = traced_curve(family, curve, TIPS_TO_CENTRELINE * curve.tip)
