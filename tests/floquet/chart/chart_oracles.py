@@ -8,14 +8,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from floquet import StabilityChart, monodromy, stability_chart
-from periodic import PeriodicSystem
+from periodic import SystemFamily
 
 
-def chart(system: PeriodicSystem, Omega: ArrayLike, eps: ArrayLike, **options: Any) -> StabilityChart:
+def chart(system: SystemFamily, Omega: ArrayLike, eps: ArrayLike, **options: Any) -> StabilityChart:
     return stability_chart(system, Omega, eps, **{"n_jobs": 1, "progress": False, "audit": 0} | options)
 
 
-def agrees(system: PeriodicSystem, found: StabilityChart) -> bool:
+def agrees(system: SystemFamily, found: StabilityChart) -> bool:
     """Compare every cell of a chart with `monodromy`: growth within the errors, no contradiction."""
     for j, Omega in enumerate(found.Omega):
         for i, eps in enumerate(found.eps):

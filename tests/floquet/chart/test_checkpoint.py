@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -36,7 +37,7 @@ stability_chart(coupled_mathieu(), np.linspace(0.7, 5.0, 40), np.linspace(0.0, 1
 """
 
 
-def _chart(**options: object) -> StabilityChart:
+def _chart(**options: Any) -> StabilityChart:
     return stability_chart(coupled_mathieu(), OMEGA, EPS, n_jobs=1, progress=False, audit=0, **options)
 
 
@@ -50,7 +51,7 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     calls: list[int] = []
     whole = chart_module.chart_batch
 
-    def tile(*arguments: object) -> object:
+    def tile(*arguments: Any) -> object:
         calls.append(1)
         return whole(*arguments)
 

@@ -31,8 +31,8 @@ def joined(*systems: PeriodicSystem, seed: int = 0) -> PeriodicSystem:
     def harmonics(name: str) -> list[FloatArray]:
         return [T.T @ sla.block_diag(*F) @ T for F in zip(*(getattr(s, name) for s in systems), strict=True)]
 
-    constant = [direct_sum(name) for name in ("mass", "gyroscopic", "damping", "stiffness")]
-    return PeriodicSystem(*constant, harmonics("cosine"), harmonics("sine"))
+    M, G, C, K = (direct_sum(name) for name in ("mass", "gyroscopic", "damping", "stiffness"))
+    return PeriodicSystem(M, G, C, K, harmonics("cosine"), harmonics("sine"))
 
 
 @some

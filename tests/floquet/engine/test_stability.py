@@ -122,7 +122,7 @@ def test_errors() -> None:
 
 def test_combine() -> None:
     def cells(log_modulus: float, error: float, kind: Kind, angle: float = 0.0) -> Stability:
-        return Stability(*(np.array([x]) for x in (log_modulus, angle, error)), np.array([kind], np.int8))
+        return Stability(np.array([log_modulus]), np.array([angle]), np.array([error]), np.array([kind], np.int8))
 
     stable, unstable = cells(-0.5, 1e-3, Kind.STABLE), cells(0.2, 1e-6, Kind.MINUS_ONE, np.pi)
     undecided = cells(0.3, 0.4, Kind.UNDECIDED)

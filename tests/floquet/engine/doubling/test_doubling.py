@@ -10,7 +10,7 @@ import pytest
 import scipy.linalg as sla
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.special import iv
 
 import floquet.engine.doubling.sampling
@@ -88,7 +88,7 @@ def test_steps_are_symplectic() -> None:
     b = len(subsystem.K)
     J = np.block([[np.zeros((b, b)), np.eye(b)], [-np.eye(b), np.zeros((b, b))]])
     for step in steps(subsystem, 1.3, 0.8, 16):
-        assert step.T @ J @ step == pytest.approx(J, abs=1e-13 * np.linalg.norm(step) ** 2)
+        assert step.T @ J @ step == pytest.approx(J, abs=1e-13 * float(np.linalg.norm(step)) ** 2)
 
 
 def trace_error(system: PeriodicSystem, Omega: float, eps: float, N: int) -> float:
@@ -180,7 +180,7 @@ def doubled(plan: Schedule, values: FloatArray) -> FloatArray:
 
 
 def scalar_growth(
-    x: tuple[float, ...], theta: FloatArray, eps: FloatArray, span: float, phases: FloatArray
+    x: tuple[float, ...], theta: FloatArray, eps: FloatArray, span: float, phases: NDArray[np.floating]
 ) -> FloatArray:
     """exp of the integral of eps sum_j x_j cos(j t + phase_j) / (2 pi) over a part ``span`` of the period from theta: a
     product of steps for a system of one coordinate, whose factors commute."""

@@ -9,6 +9,7 @@ import pytest
 import scipy.linalg as sla
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from floquet.engine.eigen.hessenberg import HESSENBERG_VECTORS, eigenvalues, hessenberg
 from floquet.engine.eigen.lanes import LANE_COUNT
@@ -27,7 +28,7 @@ def lanes(matrices: FloatArray) -> ComplexArray:
         return eigenvalues(np.ascontiguousarray(matrices, dtype=float), ONE_EACH)
 
 
-def distance(found: Any, expected: FloatArray) -> float:
+def distance(found: NDArray[Any], expected: NDArray[Any]) -> float:
     """Largest distance of an eigenvalue from its nearest in the other set, both ways."""
     between = np.abs(found[:, None] - expected)
     return max(between.min(axis=0).max(), between.min(axis=1).max())
@@ -149,7 +150,7 @@ def test_symplectic_matrices(seed: int, n: int, size: float) -> None:
         W = matrix + np.linalg.inv(matrix)
         for power in (1, 2, 3):
             exact = np.trace(np.linalg.matrix_power(W, power)) / 2
-            assert (s**power).sum() == pytest.approx(exact, abs=1e-12 * n * np.linalg.norm(W, 2) ** power)
+            assert (s**power).sum() == pytest.approx(exact, abs=1e-12 * n * float(np.linalg.norm(W, 2)) ** power)
 
 
 @pytest.mark.kernel
@@ -165,7 +166,7 @@ def test_pvl_reduction() -> None:
     for lane in range(LANE_COUNT):
         a, g, q = (X[:n, :n, lane] for X in (A, G, Q))
         whole = np.block([[a, g - g.T], [q - q.T, a.T]])  # only what is below the diagonal is written
-        assert whole == pytest.approx(W[lane], abs=1e-14 * np.linalg.norm(W[lane]))
+        assert whole == pytest.approx(W[lane], abs=1e-14 * float(np.linalg.norm(W[lane])))
     pvl(A, G, Q, n, lane_vectors(PVL_VECTORS, n))
     for lane in range(LANE_COUNT):
         H = A[:n, :n, lane]
@@ -189,6 +190,6 @@ def test_no_excitation_stays_exactly_on_the_circle() -> None:
 
 def test_reciprocal_pairs() -> None:
     mu = np.array([3.0, -0.2, 0.5 + 0.1j, np.exp(0.4j), 1e9, 1.0])
-    pairs = reciprocal_pairs((mu + 1 / mu)[None])[0]
+    pairs = reciprocal_pairs((mu + 1 / mu)[None].astype(complex))[0]
     assert distance(pairs, np.concatenate([mu, 1 / mu])) < 1e-7  # the double one at 1 is good to the root of rounding
     assert (pairs[:6] * pairs[6:]) == pytest.approx(1, abs=1e-14)
