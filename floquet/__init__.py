@@ -4,7 +4,7 @@ from floquet.boundary import BoundaryTrace, trace_boundary
 from floquet.chart import StabilityChart, stability_chart
 from floquet.kind import Kind
 from floquet.oracle import Monodromy, monodromy
-from floquet.regions.regions import Region, trace_regions
+from floquet.regions import Region, trace_regions
 
 __all__ = [
     "BoundaryTrace",

@@ -17,7 +17,7 @@ from compare.pictures import overlay
 from compare.window import RIGID_FREQUENCY
 from floquet import Region, StabilityChart, stability_chart, trace_regions
 from floquet.chart import TileStore
-from floquet.regions.outlines import largest_width
+from floquet.regions import largest_width
 from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import interval, one_of, real_number, whole_number
 from perturb import TransitionCurve, transition_curves

@@ -8,7 +8,7 @@ from math import ceil, log10
 from compare.explorer.outlines import WIDTH_LEVELS
 from floquet import Region
 from floquet.boundary import Resonance
-from floquet.regions.outlines import largest_width
+from floquet.regions import largest_width
 
 # Regions that get a line: as many as fit a screen. At large eps there are a hundred, most of them narrower than a line.
 MAX_REGION_LINES = 20

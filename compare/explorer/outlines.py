@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 
 from compare.pictures import STYLE, THEORY, legend_handles
 from floquet import Region, StabilityChart
-from floquet.regions.outlines import Loop, largest_width
+from floquet.regions import Loop, largest_width
 from periodic.checks import FloatArray
 
 # Width of an outline, in points.

@@ -1,4 +1,4 @@
-"""Which resonance a region of instability starts from: its kind and its place as eps -> 0 against all resonances."""
+"""The resonances that a region starts from: its kind and its place as eps -> 0 against those of all resonances."""
 
 from __future__ import annotations
 
@@ -7,96 +7,93 @@ from collections.abc import Sequence
 import numpy as np
 
 from floquet.boundary import Resonance, trace_boundary
-from floquet.regions.outlines import Column, Loop, Place, components, crossings, loops
-from periodic import SystemFamily
-from periodic.checks import FloatArray
+from floquet.regions.outlines import Column, IntervalId, Loop, components, crossings, loops
+from floquet.regions.scan import Scan
 
-# A dip of the lower edge by less than this part of the range of eps is no foot.
-PROMINENCE = 0.01
-# The middle of a region is measured this part of its height above its foot, or this part of the way down to eps = 0 if
-# that is more: the way the middle goes is like eps^2.
-LEVEL, LEVER = 0.05, 0.3
-# The place at eps = 0 is known to this many tolerances, the width there, and this part of the way to it.
-TOLERANCES, DOUBT = 2.0, 0.5
-# A foot below this part of the height is near enough to eps = 0 to tell two resonances of one kind and order apart;
-# from higher ones they are followed by `trace_boundary`.
-SURE = 0.05
+# A lower edge dips to a tip if it falls by more than this part of the range of eps.
+MIN_TIP_DEPTH = 0.01
+# The centreline is measured this part of the height of a region above its tip.
+CHORD_HEIGHT = 0.05
+# It is measured higher if that is less than this part of the way down to eps = 0: the centreline moves with eps^2.
+MIN_CHORD_LEVERAGE = 0.3
+# The place at eps = 0 is known to this many tolerances,
+PLACE_TOLERANCES = 2.0
+# the width there, and this part of the way to it.
+WAY_UNCERTAINTY = 0.5
+# A tip below this part of the height of a region is near enough to eps = 0 to tell resonances of one type and order
+# apart. From higher ones `trace_boundary` follows them.
+MAX_CLEAR_TIP = 0.05
 
 
-class Namer:
-    """Finds the resonances that regions start from, given the columns from eps = 0 upwards."""
+class Naming:
+    """Finds the resonances that the regions of a scan start from."""
 
-    def __init__(
-        self,
-        family: SystemFamily,
-        Omega: FloatArray,
-        columns: Sequence[Column],
-        names: Sequence[Resonance],
-        tolerance: float,
-    ) -> None:
-        self.family, self.Omega, self.columns, self.names, self.tolerance = family, Omega, columns, names, tolerance
-        self.homes = {place: places for places in components(columns) for place in places}
+    def __init__(self, scan: Scan) -> None:
+        self.window = scan.window
+        self.Omega, self.columns = scan.ordered()
+        self.component = {one: members for members in components(self.columns) for one in members}
         self.known: dict[int, list[Resonance]] = {}
 
-    def names_of(self, c: int, eps: float) -> list[Resonance]:
-        """Return the resonances that the region starts from that column ``c`` meets at or below ``eps``."""
+    def resonances_of(self, c: int, eps: float) -> list[Resonance]:
+        """Return the resonances of the region that meets column ``c`` at or just below ``eps``."""
         i = max(i for i, interval in enumerate(self.columns[c]) if interval.low < eps)
-        places = self.homes[c, i]
-        if id(places) not in self.known:
-            outlines = loops(self.Omega, self.columns, places, self.tolerance)
-            named = [self._start(outlines, c, i) for c, i in feet(self.columns, places)]
-            self.known[id(places)] = list(dict.fromkeys(name for name in named if name is not None))
-        return self.known[id(places)]
+        members = self.component[c, i]
+        if id(members) not in self.known:
+            outlines = loops(self.Omega, self.columns, members, self.window.resolution)
+            named = [self._start(outlines, c, i) for c, i in tips(self.columns, members)]
+            self.known[id(members)] = list(dict.fromkeys(one for one in named if one is not None))
+        return self.known[id(members)]
 
     def _start(self, outlines: Sequence[Loop], c: int, i: int) -> Resonance | None:
-        """Return the resonance below the foot of a region in interval ``i`` of column ``c``; None if there is none."""
-        foot, Omega = self.columns[c][i], float(self.Omega[c])
+        """Return the resonance below the tip of a region in interval ``i`` of column ``c``; None if there is none."""
+        tip, Omega = self.columns[c][i], float(self.Omega[c])
         beside = [interval for column in self.columns[max(c - 1, 0) : c + 2] for interval in column]
         if sum(interval.low == 0.0 for interval in beside) > 1:
             return None  # not at one frequency: unstable without excitation
-        height = foot.high - foot.low
-        level = foot.low + min(max(LEVEL * height, LEVER * foot.low), height / 2)
-        ends = crossings(outlines, level)
+        height = tip.high - tip.low
+        amplitude = tip.low + min(max(CHORD_HEIGHT * height, MIN_CHORD_LEVERAGE * tip.low), height / 2)
+        ends = crossings(outlines, amplitude)
         chords = list(zip(ends[::2], ends[1::2], strict=True))
         chord = min(chords, key=lambda ends: max(ends[0] - Omega, Omega - ends[1]), default=(Omega, Omega))
-        way = (Omega - sum(chord) / 2) * foot.low**2 / (level**2 - foot.low**2)
-        width = (chord[1] - chord[0]) * foot.low / level  # nothing at a foot at eps = 0
-        reach = TOLERANCES * self.tolerance + width + DOUBT * abs(way)
+        way = (Omega - sum(chord) / 2) * tip.low**2 / (amplitude**2 - tip.low**2)
+        width = (chord[1] - chord[0]) * tip.low / amplitude  # nothing at a tip at eps = 0
+        reach = PLACE_TOLERANCES * self.window.resolution + width + WAY_UNCERTAINTY * abs(way)
         centre = Omega + way
         low, high = min(Omega, centre) - reach, max(Omega, centre) + reach
-        fitting = [n for n in self.names if low <= n.centre <= high and n.kind == foot.low_kind]
-        fitting.sort(key=lambda n: (n.sign < 0, n.j, abs(n.centre - centre)))
-        rivals = [n for n in fitting if n.j == fitting[0].j and n.type == fitting[0].type]
-        if len(rivals) > 1 and foot.low > SURE * foot.high:
-            return next((n for n in rivals if self._is_connected(n, level, chord)), rivals[0])
+        fitting = [one for one in self.window.resonances if low <= one.centre <= high and one.kind == tip.low_kind]
+        fitting.sort(key=lambda one: (one.sign < 0, one.j, abs(one.centre - centre)))
+        rivals = [one for one in fitting if one.j == fitting[0].j and one.type == fitting[0].type]
+        if len(rivals) > 1 and tip.low > MAX_CLEAR_TIP * tip.high:
+            return next((one for one in rivals if self._is_connected(one, amplitude, chord)), rivals[0])
         return rivals[0] if rivals else None
 
-    def _is_connected(self, name: Resonance, level: float, chord: tuple[float, float]) -> bool:
-        """Return whether the region of a resonance, followed from eps = 0, arrives at the chord at ``level``."""
-        trace = trace_boundary(self.family, name.centre, level, type=name.type, j=name.j)
-        if (trace.resonance.p, trace.resonance.q) != name[:2] or not trace.is_open[0]:
+    def _is_connected(self, resonance: Resonance, amplitude: float, chord: tuple[float, float]) -> bool:
+        """Return whether the region of a resonance, followed from eps = 0, arrives at the chord at ``amplitude``."""
+        trace = trace_boundary(self.window.family, resonance.centre, amplitude, type=resonance.type, j=resonance.j)
+        if (trace.resonance.p, trace.resonance.q) != resonance[:2] or not trace.is_open[0]:
             return False
         lower, upper = np.nan_to_num(trace.lower[0], nan=-np.inf), np.nan_to_num(trace.upper[0], nan=np.inf)
-        return bool(lower <= chord[1] + self.tolerance and upper >= chord[0] - self.tolerance)
+        tolerance = self.window.resolution
+        return bool(lower <= chord[1] + tolerance and upper >= chord[0] - tolerance)
 
 
-def feet(columns: Sequence[Column], places: set[Place]) -> list[Place]:
+def tips(columns: Sequence[Column], members: set[IntervalId]) -> list[IntervalId]:
     """Return the intervals at which the lower edge of a region is lowest: between higher ones, or at an end."""
-    height = max(columns[c][i].high for c, i in places)
-    lowest: dict[int, Place] = {}
-    for c, i in sorted(places, key=lambda place: columns[place[0]][place[1]].low):
+    height = max(columns[c][i].high for c, i in members)
+    lowest: dict[int, IntervalId] = {}
+    for c, i in sorted(members, key=lambda one: columns[one[0]][one[1]].low):
         lowest.setdefault(c, (c, i))
     order = sorted(lowest)
-    depth = [columns[c][lowest[c][1]].low for c in order]
+    edge = [columns[c][lowest[c][1]].low for c in order]
 
-    def ends(k: int, step: int) -> bool:
+    def rises(k: int, step: int) -> bool:
         """Whether the edge rises to that side before it falls below its height here."""
-        following = depth[k + step :: step] if 0 <= k + step < len(depth) else []
+        following = edge[k + step :: step] if 0 <= k + step < len(edge) else []
         for low in following:
-            if low < depth[k] or (low == depth[k] and step < 0):
+            if low < edge[k] or (low == edge[k] and step < 0):
                 return False
-            if low > depth[k] + PROMINENCE * height:
+            if low > edge[k] + MIN_TIP_DEPTH * height:
                 return True
         return True
 
-    return [lowest[c] for k, c in enumerate(order) if ends(k, -1) and ends(k, 1)]
+    return [lowest[c] for k, c in enumerate(order) if rises(k, -1) and rises(k, 1)]

@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 
 from periodic.checks import FloatArray
 
-# An edge that is this many times steeper between two columns than beside them jumps there.
-STEEPER = 4.0
+# An edge jumps between two columns if it is there this many times as steep as beside them.
+MIN_JUMP_STEEPNESS = 4.0
+# Where an edge runs along that of the window, both meet there but for this part of the range of eps.
+MEETING_ROUNDING = 1e-9
 
 
 class Interval(NamedTuple):
@@ -32,10 +34,18 @@ class Loop(NamedTuple):
     kind: NDArray[np.int8]
 
 
-# A column is the list of its intervals from below; a slab lies between two neighbouring columns.
+def closed(Omega: FloatArray, eps: FloatArray, kind: NDArray[np.integer]) -> Loop:
+    """Return the polyline with these corners, read-only."""
+    loop = Loop(Omega, eps, kind.astype(np.int8))
+    for array in loop:
+        array.setflags(write=False)
+    return loop
+
+
+# The unstable intervals of a column, from below. A span lies between two neighbouring columns.
 Column = list[Interval]
-Place = tuple[int, int]  # column, number of the interval in it
-Corner = tuple[int, int, str, int]  # column, interval, "low" | "high" | "left" | "right", number of the split
+IntervalId = tuple[int, int]  # number of the column, number of the interval in it
+Corner = tuple[int, int, str, int]  # column, interval, "low" | "high" | "left" | "right", number of a stable gap
 
 
 def links(left: Column, right: Column) -> list[tuple[int, int]]:
@@ -43,11 +53,11 @@ def links(left: Column, right: Column) -> list[tuple[int, int]]:
     return [(i, k) for i, a in enumerate(left) for k, b in enumerate(right) if max(a.low, b.low) < min(a.high, b.high)]
 
 
-def components(columns: Sequence[Column]) -> list[set[Place]]:
+def components(columns: Sequence[Column]) -> list[set[IntervalId]]:
     """Return the sets of connected intervals, from the left."""
     parent = {(c, i): (c, i) for c, column in enumerate(columns) for i in range(len(column))}
 
-    def root(place: Place) -> Place:
+    def root(place: IntervalId) -> IntervalId:
         while parent[place] != place:
             parent[place] = parent[parent[place]]
             place = parent[place]
@@ -57,19 +67,20 @@ def components(columns: Sequence[Column]) -> list[set[Place]]:
         for i, k in links(columns[c], columns[c + 1]):
             one, two = sorted((root((c, i)), root((c + 1, k))))
             parent[two] = one
-    found: dict[Place, set[Place]] = {}
+    found: dict[IntervalId, set[IntervalId]] = {}
     for place in parent:
         found.setdefault(root(place), set()).add(place)
     return list(found.values())
 
 
-def loops(Omega: FloatArray, columns: Sequence[Column], places: set[Place], finest: float) -> list[Loop]:
-    """Return the closed polylines round the connected intervals ``places``: the outer one first, counterclockwise, then
-    those round stable islands, clockwise.
+def loops(Omega: FloatArray, columns: Sequence[Column], members: set[IntervalId], finest: float) -> list[Loop]:
+    """Return the closed polylines round the connected intervals ``members``.
 
-    Each pair of linked intervals spans a quadrilateral. An interval linked to several on one side is split between
-    them, in the middle of the stable gaps that begin there. What remains of the sides of all quadrilaterals after those
-    between two of them cancel is a set of closed polylines. In slabs up to ``finest`` wide edges may jump.
+    The outer one comes first and runs counterclockwise. Those round stable islands follow and run clockwise.
+
+    Each pair of linked intervals spans a quadrilateral. Where an interval is linked to several on one side, stable gaps
+    begin between these: it is divided at the middle of each gap. Sides that two quadrilaterals share cancel. The
+    remaining sides form closed polylines. In spans up to ``finest`` wide an edge may jump.
     """
     bottom = min(interval.low for column in columns for interval in column)
     top = max(interval.high for column in columns for interval in column)
@@ -80,31 +91,31 @@ def loops(Omega: FloatArray, columns: Sequence[Column], places: set[Place], fine
         neighbours.setdefault(a, []).append(b)
         neighbours.setdefault(b, []).append(a)
 
-    for c, i in places:
+    for c, i in members:
         interval = columns[c][i]
         where[c, i, "low", 0] = (Omega[c], interval.low, interval.low_kind)
         where[c, i, "high", 0] = (Omega[c], interval.high, interval.high_kind)
-    first, last = min(c for c, _ in places), max(c for c, _ in places)
+    first, last = min(c for c, _ in members), max(c for c, _ in members)
     linked: set[tuple[int, int, str]] = set()
     for c in range(first, last):
-        pairs = [(i, k) for i, k in links(columns[c], columns[c + 1]) if (c, i) in places]
-        narrow = Omega[c + 1] - Omega[c] <= finest
+        pairs = [(i, k) for i, k in links(columns[c], columns[c + 1]) if (c, i) in members]
+        may_jump = Omega[c + 1] - Omega[c] <= finest
         for number, (i, k) in enumerate(pairs):
             linked |= {(c, i, "right"), (c + 1, k, "left")}
             lower = _corners(pairs, number, number - 1, c, "low")
             upper = _corners(pairs, number, number + 1, c, "high")
             for (a, b), end in ((lower, 0), (upper, 1)):
-                bend = _bend(Omega, columns, c, (i, k), end) if a[2] == b[2] and narrow else None
+                bend = _bend(Omega, columns, c, (i, k), end) if a[2] == b[2] and may_jump else None
                 if bend is None:
                     join(a, b)
                 else:
-                    middle = (c, i, f"{a[2]} bend", k)
-                    where[middle] = (bend[0], min(max(bend[1], bottom), top), where[a][2])
-                    join(a, middle)
-                    join(middle, b)
+                    bent = (c, i, f"{a[2]} bend", k)
+                    where[bent] = (bend[0], min(max(bend[1], bottom), top), where[a][2])
+                    join(a, bent)
+                    join(bent, b)
             if number + 1 < len(pairs):
-                _split(where, Omega, columns, c, pairs[number], pairs[number + 1], upper)
-    for c, i in places:
+                _place_gap_corner(where, Omega, columns, c, pairs[number], pairs[number + 1], upper)
+    for c, i in members:
         for side, step in (("left", -1), ("right", 1)):
             if (c, i, side) in linked:
                 continue
@@ -113,7 +124,7 @@ def loops(Omega: FloatArray, columns: Sequence[Column], places: set[Place], fine
                 inner = [a if step > 0 else b for a, b in _linked(columns, c, -step) if (b if step > 0 else a) == i]
                 if len(inner) == 1:
                     apex = _apex(Omega[[c - step, c, c + step]], columns[c - step][inner[0]][:2], columns[c][i][:2])
-                elif not 0 <= c - step < len(columns):  # what comes in from beyond the window ends before the next one
+                elif not 0 <= c - step < len(columns):  # it comes in from beyond the window and ends before the next
                     apex = (Omega[[c, c + step]].mean(), sum(columns[c][i][:2]) / 2)
             if apex is None:
                 join((c, i, "low", 0), (c, i, "high", 0))
@@ -132,37 +143,37 @@ def area(Omega: FloatArray, eps: FloatArray) -> float:
     return float(Omega[:-1] @ eps[1:] - Omega[1:] @ eps[:-1] + last) / 2
 
 
-def crossings(outlines: Sequence[Loop], level: float) -> list[float]:
-    """Return where the outlines cross the height ``level``, in increasing order."""
-    return sorted(x for loop in outlines for x in _crossings(loop.Omega, loop.eps, level).tolist())
+def crossings(outlines: Sequence[Loop], amplitude: float) -> list[float]:
+    """Return where the outlines cross the row ``amplitude``, in increasing order."""
+    return sorted(x for loop in outlines for x in _crossings(loop.Omega, loop.eps, amplitude).tolist())
 
 
 def largest_width(outlines: Sequence[Loop], count: int) -> float:
-    """Return the largest width in Omega, at one of ``count`` levels of eps, of what lies inside the outlines."""
+    """Return the largest width in Omega, at one of ``count`` amplitudes, of what lies inside the outlines."""
     bottom, top = min(loop.eps.min() for loop in outlines), max(loop.eps.max() for loop in outlines)
-    levels = bottom + (top - bottom) * (np.arange(count) + 0.5) / count
-    ends = [crossings(outlines, level) for level in levels]
+    amplitudes = bottom + (top - bottom) * (np.arange(count) + 0.5) / count
+    ends = [crossings(outlines, amplitude) for amplitude in amplitudes]
     return max((right - left for row in ends for left, right in zip(row[::2], row[1::2], strict=True)), default=0.0)
 
 
 @njit(cache=True, nogil=True)
-def _crossings(Omega, eps, level):  # type: ignore[no-untyped-def]
-    """Return where one closed polyline crosses the height ``level``, along it."""
+def _crossings(Omega, eps, amplitude):  # type: ignore[no-untyped-def]
+    """Return where one closed polyline crosses the row ``amplitude``, along it."""
     found, count = np.empty(eps.size), 0
     for b in range(eps.size):
         a = b - 1
-        if (eps[a] > level) != (eps[b] > level):
-            found[count] = Omega[a] + (level - eps[a]) / (eps[b] - eps[a]) * (Omega[b] - Omega[a])
+        if (eps[a] > amplitude) != (eps[b] > amplitude):
+            found[count] = Omega[a] + (amplitude - eps[a]) / (eps[b] - eps[a]) * (Omega[b] - Omega[a])
             count += 1
     return found[:count]
 
 
 @njit(cache=True, nogil=True)
 def within(outline_Omega, outline_eps, Omega, eps):  # type: ignore[no-untyped-def]
-    """Return whether points (k,) lie inside a closed polyline, shape (2, k): once its left and lower edges belong to
-    it, once its right and upper ones.
+    """Return whether points (k,) lie inside a closed polyline, shape (2, k).
 
-    Inside means that an odd number of sides is crossed on the way to the right.
+    In the first row the left and lower edges belong to the inside, in the second row the right and upper ones. A point
+    is inside if a line from it to the right crosses an odd number of sides.
     """
     inside = np.zeros((2, Omega.size), np.bool_)
     for b in range(outline_eps.size):
@@ -181,14 +192,14 @@ def within(outline_Omega, outline_eps, Omega, eps):  # type: ignore[no-untyped-d
 def _corners(pairs: list[tuple[int, int]], number: int, other: int, c: int, end: str) -> tuple[Corner, Corner]:
     """Return the left and right corner of the quadrilateral of a pair at its lower or upper end."""
     i, k = pairs[number]
-    shares = pairs[other] if 0 <= other < len(pairs) else (-1, -1)
-    split = max(number, other)
-    left = (c, i, "right", split) if shares[0] == i else (c, i, end, 0)
-    right = (c + 1, k, "left", split) if shares[1] == k else (c + 1, k, end, 0)
+    shared = pairs[other] if 0 <= other < len(pairs) else (-1, -1)
+    gap = max(number, other)
+    left = (c, i, "right", gap) if shared[0] == i else (c, i, end, 0)
+    right = (c + 1, k, "left", gap) if shared[1] == k else (c + 1, k, end, 0)
     return left, right
 
 
-def _split(
+def _place_gap_corner(
     where: dict[Corner, tuple[float, float, int]],
     Omega: FloatArray,
     columns: Sequence[Column],
@@ -197,7 +208,7 @@ def _split(
     above: tuple[int, int],
     corners: tuple[Corner, Corner],
 ) -> None:
-    """Place the corner in which a stable gap between two pairs that share an interval begins."""
+    """IntervalId the corner in which a stable gap between two pairs that share an interval begins."""
     if below[0] == above[0]:
         corner, a, b, at, step = corners[0], below[1], above[1], c + 1, 1
     elif below[1] == above[1]:
@@ -216,7 +227,7 @@ def _split(
 
 
 def _linked(columns: Sequence[Column], c: int, step: int) -> list[tuple[int, int]]:
-    """Return the links between column c and its neighbour c + step, that of the left column first."""
+    """Return the links between column c and its neighbour c + step. The left column comes first in each."""
     if not 0 <= c + step < len(columns):
         return []
     return links(columns[min(c, c + step)], columns[max(c, c + step)])
@@ -225,9 +236,9 @@ def _linked(columns: Sequence[Column], c: int, step: int) -> list[tuple[int, int
 def _bend(
     Omega: FloatArray, columns: Sequence[Column], c: int, link: tuple[int, int], end: int
 ) -> tuple[float, float] | None:
-    """Return the corner of an edge that jumps between columns c and c + 1, where another region meets this one.
+    """Return the corner of an edge that jumps between columns c and c + 1; None if it does not jump.
 
-    There the flatter of the two edges goes on to the steeper one.
+    An edge jumps where another region meets this one. There the flatter of the two edges goes on to the steeper one.
     """
     i, k = link
     before = [columns[c - 1][a][end] for a, b in _linked(columns, c, -1) if b == i]
@@ -236,7 +247,7 @@ def _bend(
         return None
     eps = np.array([before[0], columns[c][i][end], columns[c + 1][k][end], after[0]])
     left, here, right = np.diff(eps) / np.diff(Omega[c - 1 : c + 3])
-    if min(left, right) <= here <= max(left, right) or abs(here) < STEEPER * min(abs(left), abs(right)):
+    if min(left, right) <= here <= max(left, right) or abs(here) < MIN_JUMP_STEEPNESS * min(abs(left), abs(right)):
         return None
     step = Omega[c + 1] - Omega[c]
     if abs(right) < abs(left):
@@ -245,18 +256,20 @@ def _bend(
 
 
 def _apex(Omega: FloatArray, wider: tuple[float, float], last: tuple[float, float]) -> tuple[float, float] | None:
-    """Return where two edges meet that are straight from the column ``wider`` by way of ``last`` to the third, which
-    they do not reach; None if they do not converge, or only beyond one of the edges in the column ``wider``."""
+    """Return where two edges meet that run straight through the columns ``wider`` and ``last``, before the third one.
+
+    None if they do not converge, or converge outside the range of eps between them.
+    """
     closing = (wider[1] - wider[0]) - (last[1] - last[0])
     if closing <= 0:
         return None
     part = min((last[1] - last[0]) / closing, abs((Omega[2] - Omega[1]) / (Omega[1] - Omega[0])))
     low, high = (b + part * (b - a) for a, b in zip(wider, last, strict=True))
-    middle, least, most = (low + high) / 2, min(wider[0], last[0]), max(wider[1], last[1])
-    rounding = 1e-9 * (most - least)  # where one edge is that of the window, they meet on it
-    if not least - rounding <= middle <= most + rounding:
+    eps, least, most = (low + high) / 2, min(wider[0], last[0]), max(wider[1], last[1])
+    rounding = MEETING_ROUNDING * (most - least)
+    if not least - rounding <= eps <= most + rounding:
         return None
-    return float(Omega[1] + part * (Omega[1] - Omega[0])), min(max(middle, least), most)
+    return float(Omega[1] + part * (Omega[1] - Omega[0])), min(max(eps, least), most)
 
 
 def _walk(neighbours: dict[Corner, list[Corner]]) -> list[list[Corner]]:
@@ -286,7 +299,4 @@ def _turned(loop: Loop, sense: int) -> Loop:
 
 def _loop(corners: list[tuple[float, float, int]]) -> Loop:
     Omega, eps, kind = zip(*corners, strict=True)
-    loop = Loop(np.array(Omega), np.array(eps), np.array(kind, dtype=np.int8))
-    for array in loop:
-        array.setflags(write=False)
-    return loop
+    return closed(np.array(Omega), np.array(eps), np.array(kind))

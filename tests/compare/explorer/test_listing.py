@@ -7,7 +7,7 @@ import numpy as np
 from compare.explorer.listing import MAX_REGION_LINES, region_lines
 from floquet import Region
 from floquet.boundary import Resonance
-from floquet.regions.outlines import Loop
+from floquet.regions import Loop
 
 
 def region(*resonances: Resonance, Omega: float = 2.0, eps: float = 0.0, width: float = 0.5) -> Region:

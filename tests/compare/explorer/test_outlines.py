@@ -8,7 +8,7 @@ import pytest
 from compare import overlay
 from compare.explorer.outlines import FAINT_COLOUR, draw_outlines, is_narrow
 from floquet import Kind, stability_chart, trace_regions
-from floquet.regions.outlines import Loop, largest_width
+from floquet.regions import Loop, largest_width
 from periodic.examples import mathieu
 from perturb import transition_curves
 

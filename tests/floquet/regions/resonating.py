@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from floquet.boundary import Resonance, natural_modes, open_types, resonances
-from floquet.regions.widths import Candidate, candidates
+from floquet.regions.widths import ExpectedTongue, expected_tongues
 from periodic import PeriodicSystem
 
 
@@ -11,9 +11,9 @@ def resonances_of(system: PeriodicSystem, low: float, high: float) -> list[Reson
     return resonances(natural_modes(system, (low + high) / 2), (low, high), open_types(system))
 
 
-def candidates_of(
+def tongues_expected(
     system: PeriodicSystem, eps: float, low: float, high: float, some: list[Resonance] | None = None
-) -> list[Candidate]:
-    """Return the candidates of ``some`` resonances, by default of all between ``low`` and ``high``."""
+) -> list[ExpectedTongue]:
+    """Return the tongues expected at ``some`` resonances, by default of all between ``low`` and ``high``."""
     chosen = resonances_of(system, low, high) if some is None else some
-    return candidates(system, natural_modes(system, (low + high) / 2), chosen, eps)
+    return expected_tongues(system, natural_modes(system, (low + high) / 2), chosen, eps)

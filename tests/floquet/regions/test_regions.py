@@ -15,11 +15,12 @@ from scipy.special import mathieu_a, mathieu_b
 
 from floquet import Kind, Region, StabilityChart, monodromy, stability_chart, trace_regions
 from floquet.oracle import is_unstable
-from floquet.regions.outlines import Loop
-from floquet.regions.refinement import Slabs
+from floquet.regions import Loop
+from floquet.regions.refinement import Refinement
 from floquet.regions.regions import _witness
 from floquet.regions.scan import Scan, _with_neighbours
 from floquet.regions.tongues import Tongue
+from floquet.regions.window import Window
 from periodic import PeriodicSystem
 from periodic.examples import coupled_mathieu, mathieu
 from plate import EdgeLoad, MovingPlate
@@ -293,28 +294,28 @@ def test_weak_instability_beside_a_sure_one_belongs_to_it() -> None:
 
 def test_a_column_at_a_resonance_is_unstable_from_the_bottom() -> None:
     # the first amplitudes are too small for a verdict
-    scan = Scan(mathieu(), (1.0, 3.0), np.linspace(0, 1e-3, 80), 1)
+    scan = Scan(Window(mathieu(), (1.0, 3.0), (0.0, 1e-3)))
     scan.add([2.0])
     (interval,) = scan.columns[2.0]
     assert interval.low == pytest.approx(0, abs=1e-6)
     assert interval.low_kind == Kind.MINUS_ONE
 
 
-def test_blocks_that_are_stable_on_both_sides_are_spared() -> None:
+def test_subsystems_that_are_stable_on_both_sides_are_spared() -> None:
     # two oscillators that nothing couples: 2 at the left, and 3 at the right of the window, are unstable on their own
     one, zero = np.eye(2), np.zeros((2, 2))
     system = PeriodicSystem(one, zero, zero, np.diag([1.0, 2.25]), [one])
-    scan = Scan(system, (1.5, 3.5), np.linspace(0, 0.3, 80), 1)
+    scan = Scan(Window(system, (1.5, 3.5), (0.0, 0.3)))
     scan.add(np.linspace(1.5, 3.5, 33))
-    before = set(scan.modes)
-    scan.refine((2.0, 0.3), 0.0, 1e-3)
-    new = {w: list(scan.modes[w]) for w in set(scan.modes) - before}
+    before = set(scan.subsystems)
+    scan.refine()
+    new = {w: list(scan.subsystems[w]) for w in set(scan.subsystems) - before}
     for centre, size in ((2.0, 1.0), (3.0, 2.25)):
         near = [numbers for w, numbers in new.items() if abs(w - centre) < 0.1]
         assert near
         for numbers in near:
             (number,) = numbers
-            assert scan.modes[1.5][number].subsystem.K[0, 0] == pytest.approx(size)
+            assert scan.subsystems[1.5][number].subsystem.K[0, 0] == pytest.approx(size)
 
 
 def test_a_region_about_as_wide_as_the_columns_are_apart_has_one_at_its_resonance(
@@ -335,34 +336,34 @@ def test_a_region_about_as_wide_as_the_columns_are_apart_has_one_at_its_resonanc
     assert min(abs(np.array(added[0]) - 2.0)) < 1e-9
 
 
-def test_a_slab_is_looked_at_again_only_when_a_column_near_it_is_new(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_span_is_looked_at_again_only_when_a_column_near_it_is_new(monkeypatch: pytest.MonkeyPatch) -> None:
     looked: list[tuple[float, ...]] = []
-    place = Slabs.place
+    places = Refinement.places
 
-    def spied(slabs: Slabs, c: int) -> list[float]:
-        looked.append(tuple(slabs.Omega[max(c - 2, 0) : c + 4].tolist()))
-        return place(slabs, c)
+    def spied(refinement: Refinement, c: int) -> list[float]:
+        looked.append(refinement.around(c))
+        return places(refinement, c)
 
-    monkeypatch.setattr(Slabs, "place", spied)
-    scan = Scan(mathieu(), (1.0, 3.0), np.linspace(0.0, 0.3, 80), 1)
+    monkeypatch.setattr(Refinement, "places", spied)
+    scan = Scan(Window(mathieu(), (1.0, 3.0), (0.0, 0.3)))
     scan.add(np.linspace(1.0, 3.0, 33))
-    scan.refine((2.0, 0.3), 0.0, 1e-3)
+    scan.refine()
     assert len(scan.columns) > 33
     assert len(looked) == len(set(looked))
 
 
-def test_a_witness_lies_in_its_stretch_and_in_the_window() -> None:
-    name = resonances_of(mathieu(), 1.9, 2.1)[0]
+def test_a_witness_lies_in_its_segment_and_in_the_window() -> None:
+    one, window = resonances_of(mathieu(), 1.9, 2.1)[0], Window(mathieu(), (1.0, 2.05), (0.0, 0.4))
     eps = np.linspace(0, 0.4, 81)
     half = eps / 2.2
     corners, kind = np.concatenate([2 + half, (2 - half)[::-1]]), np.zeros(162, dtype=np.int8)
     loop = Loop(np.clip(corners, 1.0, 2.05), np.concatenate([eps, eps[::-1]]), kind)
-    inside = Tongue(name, eps, 2 - half, 2 + half, (2.01, 0.2), True, 1)
-    assert _witness(inside, loop, (1.0, 2.05)) == ((2.01, 0.2), True)
+    inside = Tongue(one, eps, 2 - half, 2 + half, (2.01, 0.2), True, 1)
+    assert _witness(inside, loop, window) == ((2.01, 0.2), True)
     for place in ((2.01, 0.5), (2.06, 0.2)):
-        witness, sure = _witness(inside._replace(witness=place), loop, (1.0, 2.05))
+        witness, sure = _witness(inside._replace(witness=place), loop, window)
         assert not sure
-        assert Region((loop,), (name,), (2.0, 0.0), witness).contains(*witness)
+        assert Region((loop,), (one,), (2.0, 0.0), witness).contains(*witness)
         assert is_unstable(mathieu(), *witness)
 
 

@@ -12,27 +12,30 @@ from scipy.special import mathieu_a, mathieu_b
 from floquet import Kind, monodromy, stability_chart, trace_boundary
 from floquet.engine import Sampler, Spectra, Workspace, spectra
 from floquet.regions.scan import Scan
-from floquet.regions.tongues import Tongue, _Follower, trace_tongues
+from floquet.regions.tongues import Tongue, _TongueTracer, trace_tongues
+from floquet.regions.window import Window
 from periodic import SystemFamily
 from periodic.checks import FloatArray
 from periodic.examples import coupled_mathieu, mathieu
 from plate import EdgeLoad, MovingPlate
-from tests.floquet.regions.resonating import candidates_of, resonances_of
+from tests.floquet.regions.resonating import resonances_of, tongues_expected
+
+# So few that every tongue counts as narrow.
+WIDE_SPANS = 4
 
 
-def stretches_of(family: SystemFamily, Omega: tuple[float, float], eps: tuple[float, float]) -> list[Tongue]:
-    """From columns a 32nd of a window apart that is wider than the range."""
+def segments_of(family: SystemFamily, Omega: tuple[float, float], eps: tuple[float, float]) -> list[Tongue]:
+    """From 33 columns over a window that is wider than the range."""
     member = family.at(sum(Omega) / 2)
     low, high = 0.5 * Omega[0], 1.5 * Omega[1]
-    below = np.linspace(0.0, eps[0], 32, endpoint=False)[: 32 * (eps[0] > 0)]
-    scan = Scan(family, (low, high), np.concatenate([below, np.linspace(*eps, 80)]), 1)
+    scan = Scan(Window(family, (low, high), eps, spans=WIDE_SPANS))
     scan.add(np.linspace(low, high, 33))
-    return trace_tongues(family, candidates_of(member, eps[1], *Omega), scan, eps, 0.5, 1)
+    return trace_tongues(tongues_expected(member, eps[1], *Omega), scan)
 
 
 def tongues_of(family: SystemFamily, Omega: tuple[float, float], eps: tuple[float, float]) -> dict[str, Tongue]:
-    """The lowest stretch of each region."""
-    return {tongue.name.label: tongue for tongue in stretches_of(family, Omega, eps)[::-1]}
+    """The lowest segment of each region."""
+    return {tongue.resonance.label: tongue for tongue in segments_of(family, Omega, eps)[::-1]}
 
 
 @pytest.mark.parametrize("order", [2, 3, 4, 5])
@@ -51,7 +54,7 @@ def test_edges_of_mathieu_tongues(order: int) -> None:
         )
         width = edges[1] - edges[0]
         found = [np.interp(eps, tongue.eps, side) for side in (tongue.lower, tongue.upper)]
-        # parabolas of three columns: their error is a small part of what the middle moves
+        # parabolas of three columns: their error is a small part of what the centreline moves
         drift = abs(sum(edges) / 2 - 2 / order)
         np.testing.assert_allclose(found, edges, atol=0.05 * drift + 0.05 * width)
         assert found[1] - found[0] == pytest.approx(width, rel=0.3)
@@ -60,10 +63,10 @@ def test_edges_of_mathieu_tongues(order: int) -> None:
 def test_a_narrow_region_of_a_plate_agrees_with_its_traced_edges() -> None:
     plate = MovingPlate(axial_terms=2, lateral_terms=3)
     tongue = tongues_of(plate, (24.4, 24.5), (0.0, 1.0))["(ω₁+ω₃)/2"]
-    trace = trace_boundary(plate, tongue.name.centre, [0.5, 0.8])
+    trace = trace_boundary(plate, tongue.resonance.centre, [0.5, 0.8])
     for eps, lower, upper in zip(trace.eps, trace.lower, trace.upper, strict=True):
         # as above
-        off = 0.05 * abs((lower + upper) / 2 - tongue.name.centre) + 0.05 * (upper - lower)
+        off = 0.05 * abs((lower + upper) / 2 - tongue.resonance.centre) + 0.05 * (upper - lower)
         assert np.interp(eps, tongue.eps, tongue.lower) == pytest.approx(lower, abs=off)
         assert np.interp(eps, tongue.eps, tongue.upper) == pytest.approx(upper, abs=off)
     assert monodromy(plate, *tongue.witness).kind > Kind.STABLE
@@ -102,7 +105,7 @@ def test_a_combination_resonance_with_unequal_damping() -> None:
         half = d.sum() / 2 * np.sqrt(eps**2 / (4 * omega.prod() * d.prod()) - 1)
         lower, upper = (np.interp(eps, tongue.eps, side) for side in (tongue.lower, tongue.upper))
         assert (upper - lower) / 2 == pytest.approx(half, rel=0.02)
-        for inwards in (-0.1, 0.1):  # the middle is moved by terms with eps^2, which integration knows
+        for inwards in (-0.1, 0.1):  # the centreline is moved by terms with eps^2, which integration knows
             for edge, sign in ((lower, 1), (upper, -1)):
                 kind = monodromy(system, edge + sign * inwards * half, eps).kind
                 assert (kind > Kind.STABLE) == (inwards > 0)
@@ -110,14 +113,14 @@ def test_a_combination_resonance_with_unequal_damping() -> None:
 
 def test_a_region_goes_on_where_another_one_was_in_its_way() -> None:
     plate = MovingPlate(axial_terms=2, lateral_terms=3)
-    stretches = [one for one in stretches_of(plate, (33.0, 34.0), (0.0, 1.0)) if one.name.label == "(ω₂+ω₅)/2"]
-    assert len(stretches) > 1
-    for below, above in pairwise(stretches):
+    segments = [one for one in segments_of(plate, (33.0, 34.0), (0.0, 1.0)) if one.resonance.label == "(ω₂+ω₅)/2"]
+    assert len(segments) > 1
+    for below, above in pairwise(segments):
         assert below.eps[-1] < above.eps[0]
-    for stretch in stretches:
-        lower, upper = (np.interp(stretch.witness[1], stretch.eps, side) for side in (stretch.lower, stretch.upper))
-        assert lower <= stretch.witness[0] <= upper
-        assert monodromy(plate, *stretch.witness).kind > Kind.STABLE
+    for segment in segments:
+        lower, upper = (np.interp(segment.witness[1], segment.eps, side) for side in (segment.lower, segment.upper))
+        assert lower <= segment.witness[0] <= upper
+        assert monodromy(plate, *segment.witness).kind > Kind.STABLE
 
 
 def test_columns_of_few_errors_share_the_plans_of_their_doublings(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -134,26 +137,26 @@ def test_columns_of_few_errors_share_the_plans_of_their_doublings(monkeypatch: p
 
 
 def test_a_stable_point_is_not_sure() -> None:
-    scan = Scan(mathieu(), (0.6, 0.8), np.linspace(0, 0.4, 80), 1)
-    (one,) = [one for one in candidates_of(mathieu(), 0.4, 0.66, 0.67) if one.name.j == 3]
-    follower = _Follower(mathieu(), one, scan.window, scan.eps, scan.steps, Workspace())
+    scan = Scan(Window(mathieu(), (0.6, 0.8), (0.0, 0.4)))
+    (one,) = [one for one in tongues_expected(mathieu(), 0.4, 0.66, 0.67) if one.resonance.j == 3]
+    tracer = _TongueTracer(scan.window, one, scan.steps, Workspace())
     trace = trace_boundary(mathieu(), 2 / 3, 0.3, j=3)
     lower, upper = float(trace.lower[0]), float(trace.upper[0])
-    assert follower._is_sure((lower + upper) / 2, 0.3)
-    assert not follower._is_sure(lower - 0.1 * (upper - lower), 0.3)
+    assert tracer._is_sure((lower + upper) / 2, 0.3)
+    assert not tracer._is_sure(lower - 0.1 * (upper - lower), 0.3)
 
 
 def test_a_region_that_passes_a_column_between_two_levels_needs_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
     # the seventh tongue moves from 2/7 by 0.003, 5e-5 from level to level, and is much narrower
-    scan = Scan(mathieu(), (0.2, 0.4), np.linspace(0, 0.4, 80), 1)
+    scan = Scan(Window(mathieu(), (0.2, 0.4), (0.0, 0.4), spans=20))
     scan.add([*np.linspace(0.2, 0.4, 17), 0.2845])
-    some = [one for one in candidates_of(mathieu(), 0.4, 0.28, 0.29) if one.name.j == 7]
+    some = [one for one in tongues_expected(mathieu(), 0.4, 0.28, 0.29) if one.resonance.j == 7]
 
     def none(*_: object) -> None:
         raise AssertionError("a column was computed")
 
-    monkeypatch.setattr("floquet.regions.tongues._Follower._with", none)
-    (tongue,) = trace_tongues(mathieu(), some, scan, (0.0, 0.4), 0.02, 1)
+    monkeypatch.setattr("floquet.regions.tongues._TongueTracer._with_column", none)
+    (tongue,) = trace_tongues(some, scan)
     assert tongue.witness[0] == 0.2845
     assert monodromy(mathieu(), *tongue.witness).kind > Kind.STABLE
     assert tongue.sure  # a column of this one point tells
@@ -165,41 +168,41 @@ def test_a_region_that_passes_a_column_between_two_levels_needs_no_other(monkeyp
     assert (tongue.lower[-1] + tongue.upper[-1]) / 2 == pytest.approx(sum(edges) / 2, abs=1e-5)
 
 
-def stretches_of_one(plate: MovingPlate, wanted: tuple[int, int, int]) -> list[Tongue]:
-    """The stretches of one region (p, q, j), from columns as far apart as those of `trace_regions`."""
-    scan = Scan(plate, (5.0, 90.0), np.linspace(0.0, 1.0, 80), 1)
+def segments_of_one(plate: MovingPlate, wanted: tuple[int, int, int]) -> list[Tongue]:
+    """The segments of one region (p, q, j), from columns as far apart as those of `trace_regions`."""
+    scan = Scan(Window(plate, (5.0, 90.0), (0.0, 1.0)))
     scan.add(np.linspace(5.0, 90.0, 129))
     member = plate.at(47.5)
-    named = [name for name in resonances_of(member, 5.0, 90.0) if name[:3] == wanted]
-    some = candidates_of(member, 1.0, 5.0, 90.0, named)
-    return trace_tongues(plate, some, scan, (0.0, 1.0), 1.0, 1)
+    named = [one for one in resonances_of(member, 5.0, 90.0) if one[:3] == wanted]
+    some = tongues_expected(member, 1.0, 5.0, 90.0, named)
+    return trace_tongues(some, scan)
 
 
 def test_a_region_is_followed_beside_a_wide_one_that_is_on_one_side() -> None:
     # (ω₄+ω₁₁)/2 runs along the edge of 2ω₄: from eps = 0.43 on, the columns to the left of it lie in that
     plate = MovingPlate(inplane="static")
-    (stretch,) = stretches_of_one(plate, (11, 4, 2))
-    assert stretch.eps[-1] > 0.46
+    (segment,) = segments_of_one(plate, (11, 4, 2))
+    assert segment.eps[-1] > 0.46
     # within a tenth of the tolerance that regions have in this window, 0.085
     chart = stability_chart(plate, np.linspace(81.5, 82.0, 501), [0.3, 0.44, 0.46], progress=False, audit=0)
     for eps, kind in zip(chart.eps, chart.kind, strict=True):
-        middle = (np.interp(eps, stretch.eps, stretch.lower) + np.interp(eps, stretch.eps, stretch.upper)) / 2
-        assert np.abs(chart.Omega[kind == Kind.COMPLEX] - middle).min() < 0.0085
+        centre = (np.interp(eps, segment.eps, segment.lower) + np.interp(eps, segment.eps, segment.upper)) / 2
+        assert np.abs(chart.Omega[kind == Kind.COMPLEX] - centre).min() < 0.0085
 
 
 def test_a_witness_is_where_its_modes_are_free() -> None:
     # at eps = 0.9, a level before modes are unstable with a third one, a column passes through what looks like a region
     plate = MovingPlate(inplane="static", load=EdgeLoad.partial(0.5))
-    (stretch,) = stretches_of_one(plate, (12, 1, 3))
-    assert stretch.sure
-    assert monodromy(plate, *stretch.witness).kind == Kind.COMPLEX
+    (segment,) = segments_of_one(plate, (12, 1, 3))
+    assert segment.sure
+    assert monodromy(plate, *segment.witness).kind == Kind.COMPLEX
 
 
 def test_a_region_that_bends_is_measured_where_it_is_known_least() -> None:
     # from eps = 0.8 on, (ω₁+ω₃)/3 has a wide region on its right, and columns beyond that are far away
     plate = MovingPlate(inplane="static")
-    stretch = stretches_of_one(plate, (3, 1, 3))[0]
+    segment = segments_of_one(plate, (3, 1, 3))[0]
     chart = stability_chart(plate, np.linspace(14.3, 15.0, 701), [0.86, 0.91], progress=False, audit=0)
     for eps, kind in zip(chart.eps, chart.kind, strict=True):
-        middle = (np.interp(eps, stretch.eps, stretch.lower) + np.interp(eps, stretch.eps, stretch.upper)) / 2
-        assert np.abs(chart.Omega[kind == Kind.COMPLEX] - middle).min() < 0.017
+        centre = (np.interp(eps, segment.eps, segment.lower) + np.interp(eps, segment.eps, segment.upper)) / 2
+        assert np.abs(chart.Omega[kind == Kind.COMPLEX] - centre).min() < 0.017

@@ -10,7 +10,7 @@ from scipy.special import mathieu_a, mathieu_b
 from floquet import trace_boundary
 from periodic import PeriodicSystem
 from periodic.examples import coupled_mathieu, mathieu
-from tests.floquet.regions.resonating import candidates_of, resonances_of
+from tests.floquet.regions.resonating import resonances_of, tongues_expected
 
 
 def width_of_mathieu(order: int, eps: float) -> float:
@@ -32,7 +32,7 @@ def width_of_mathieu(order: int, eps: float) -> float:
 def test_widths_of_mathieu_tongues(order: int) -> None:
     # the next term is smaller by eps^2, with a factor that grows with the order
     for eps in (0.05, 0.1):
-        found = {one.name.j: one for one in candidates_of(mathieu(), eps, 0.2, 3.0)}
+        found = {one.resonance.j: one for one in tongues_expected(mathieu(), eps, 0.2, 3.0)}
         assert found[order].width == pytest.approx(width_of_mathieu(order, eps), rel=order**2 * eps**2)
         widths = [one.width for one in found.values()]
         assert widths == sorted(widths, reverse=True)
@@ -44,7 +44,7 @@ def test_width_of_a_combination_resonance(kind: str) -> None:
     centre = omega[1] + (omega[0] if kind == "sum" else -omega[0])
     system = coupled_mathieu(kind, omega)
     window = 0.99 * centre, 1.01 * centre
-    (one,) = candidates_of(system, 0.01, *window, resonances_of(system, *window)[:1])
+    (one,) = tongues_expected(system, 0.01, *window, resonances_of(system, *window)[:1])
     # Omega = centre ± eps sqrt(L), L = 1 / (4 omega_1 omega_2); the next order in eps is left out at eps = 0.01
     assert one.width == pytest.approx(0.01 / np.sqrt(omega.prod()), rel=1e-3)
     assert (one.p, one.q) == (1, 0)
@@ -53,7 +53,7 @@ def test_width_of_a_combination_resonance(kind: str) -> None:
 def test_a_second_harmonic_opens_the_second_tongue_to_first_order() -> None:
     one = np.eye(1)
     system = PeriodicSystem(one, 0 * one, 0 * one, one, cosine=[0 * one, one])
-    (tongue,) = [one for one in candidates_of(system, 0.01, 0.9, 1.1) if one.name.j == 2]
+    (tongue,) = [one for one in tongues_expected(system, 0.01, 0.9, 1.1) if one.resonance.j == 2]
     # x'' + (1 + eps cos 2 Omega t) x = 0 is Mathieu's equation at 2 Omega = 2 ± eps / 2
     assert tongue.width == pytest.approx(0.01 / 2, rel=1e-3)
 
@@ -63,7 +63,7 @@ def test_a_tongue_without_a_coupling_of_its_lowest_order() -> None:
     zero, swap = np.zeros((2, 2)), np.array([[0.0, 1.0], [1.0, 0.0]])
     system = PeriodicSystem(np.eye(2), zero, zero, np.diag([1.0, 1.7**2]), cosine=[swap, 0.5 * swap])
     eps = 0.02
-    (one,) = candidates_of(system, eps, 1.99, 2.01)
+    (one,) = tongues_expected(system, eps, 1.99, 2.01)
     region = trace_boundary(system, near=2.0, eps=[eps])
     assert one.width == pytest.approx(float(region.upper[0] - region.lower[0]), rel=0.02)
 
@@ -75,8 +75,8 @@ def test_a_rotating_stiffness_meets_the_mode_that_whirls_along(sense: int) -> No
     zero, g, eps = np.zeros((2, 2)), 0.8, 0.01
     along, across = np.diag([1.0, -1.0]), np.array([[0.0, 1.0], [1.0, 0.0]])
     system = PeriodicSystem(np.eye(2), g * np.array([[0, -1], [1, 0]]), zero, np.eye(2), [along], [sense * across])
-    found = candidates_of(system, eps, 0.5, 4.0)
-    widths = {one.p: one.width for one in found if one.p == one.q and one.name.j == 1 and one.width > 1e-9}
+    found = tongues_expected(system, eps, 0.5, 4.0)
+    widths = {one.p: one.width for one in found if one.p == one.q and one.resonance.j == 1 and one.width > 1e-9}
     assert widths == pytest.approx({0 if sense > 0 else 1: 4 * eps / np.sqrt(g**2 + 4)}, rel=1e-3)
 
 
@@ -84,13 +84,13 @@ def test_damping_closes_narrow_resonances() -> None:
     # the tongue of order n of the damped equation is closed while its largest growth is below the damping
     window = 0.2, 3.0
     some = resonances_of(mathieu(), *window)
-    open_ = {one.name.j for one in candidates_of(mathieu(damping=0.01), 0.1, *window, some)}
+    open_ = {one.resonance.j for one in tongues_expected(mathieu(damping=0.01), 0.1, *window, some)}
     assert open_ == {1}
-    assert candidates_of(mathieu(damping=0.5), 0.1, *window, some) == []
-    assert candidates_of(mathieu(), 0.1, *window, []) == []
+    assert tongues_expected(mathieu(damping=0.5), 0.1, *window, some) == []
+    assert tongues_expected(mathieu(), 0.1, *window, []) == []
     # growth eps / 4 = 0.025 against decay damping / 2: what is closed by less than a factor of two is looked for
-    assert [one.name.j for one in candidates_of(mathieu(damping=0.08), 0.1, *window, some)] == [1]
-    assert candidates_of(mathieu(damping=0.12), 0.1, *window, some) == []
+    assert [one.resonance.j for one in tongues_expected(mathieu(damping=0.08), 0.1, *window, some)] == [1]
+    assert tongues_expected(mathieu(damping=0.12), 0.1, *window, some) == []
 
 
 @pytest.mark.parametrize(("stiffness", "damping"), [(1.0, 2.0), (0.0, 0.0)])
@@ -100,7 +100,7 @@ def test_a_third_mode_with_a_single_eigenvector(stiffness: float, damping: float
 
     def widths(more: float) -> dict[int, float]:
         system = PeriodicSystem(np.eye(2), zero, np.diag([damping + more, 0.0]), np.diag([stiffness, 4.0]), [F])
-        return {one.name.j: one.width for one in candidates_of(system, 0.3, 1.3, 5.0)}
+        return {one.resonance.j: one.width for one in tongues_expected(system, 0.3, 1.3, 5.0)}
 
     assert widths(0.0)[1] == pytest.approx(0.3 / 4, rel=1e-2)  # Mathieu's, to first order: eps F_22 / omega
     if damping > 0:  # for a free mode the even tongues are those of three states
@@ -117,7 +117,7 @@ def test_modes_without_damping_in_a_damped_block_are_undamped() -> None:
             turn @ A @ turn.T for A in (np.diag([0.4, 0, 0, 0, 0]), np.diag([2.0, 4.0, 9.0, 15.0, 22.0]), F)
         )
         system = PeriodicSystem(np.eye(5), zero, C, K, [F_turned])
-        (one,) = [one for one in candidates_of(system, 0.05, 4.9, 5.1) if one.name.j == 1]
+        (one,) = [one for one in tongues_expected(system, 0.05, 4.9, 5.1) if one.resonance.j == 1]
         assert one.balance == 1.0
         assert one.width == pytest.approx(0.05 / np.sqrt(6), rel=0.01)  # eps F_23 / sqrt(omega_2 omega_3)
 
@@ -125,10 +125,10 @@ def test_modes_without_damping_in_a_damped_block_are_undamped() -> None:
 def test_unequal_damping_makes_a_combination_resonance_wider() -> None:
     damping = (0.002, 0.018)
     system = coupled_mathieu("sum", damping=damping)
-    (one,) = candidates_of(system, 0.1, 2.6, 2.8, resonances_of(system, 2.6, 2.8)[:1])
+    (one,) = tongues_expected(system, 0.1, 2.6, 2.8, resonances_of(system, 2.6, 2.8)[:1])
     # Bolotin 1964: as both go to zero at a fixed ratio, the width stays this many times the undamped one
     factor = sum(damping) / (2 * np.sqrt(np.prod(damping)))
     assert one.balance == pytest.approx(1 / factor, rel=1e-3)
     assert one.width == pytest.approx(factor * 0.1 / np.sqrt(1.7), rel=0.01)  # the next order is eps^2
     undamped = coupled_mathieu("sum")
-    assert candidates_of(undamped, 0.1, 2.6, 2.8, resonances_of(undamped, 2.6, 2.8)[:1])[0].balance == 1
+    assert tongues_expected(undamped, 0.1, 2.6, 2.8, resonances_of(undamped, 2.6, 2.8)[:1])[0].balance == 1
