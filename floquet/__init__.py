@@ -1,4 +1,31 @@
-"""Stability from Floquet multipliers: one point, charts, and boundaries by root-finding."""
+"""Stability from Floquet multipliers: one point, a chart, the edges of one region, all regions of a window, proofs.
+
+One point, with its error; what is found is a `Kind`:
+
+>>> from floquet import monodromy
+>>> from periodic.examples import mathieu
+>>> monodromy(mathieu(), Omega=2.0, eps=0.1).kind.name
+'MINUS_ONE'
+
+A grid of points:
+
+>>> from floquet import stability_chart
+>>> chart = stability_chart(mathieu(), [1.9, 2.0, 2.1], [0.1, 0.3], n_jobs=1, progress=False)
+>>> chart.kind.tolist()
+[[0, 2, 0], [2, 2, 2]]
+
+The edges of the region near a frequency, and every region of a window:
+
+>>> from floquet import trace_boundary, trace_regions
+>>> trace = trace_boundary(mathieu(), near=2.0, eps=[0.1])
+>>> print(f"{trace.lower[0]:.4f} to {trace.upper[0]:.4f}")
+1.9497 to 2.0497
+>>> [region.label for region in trace_regions(mathieu(), (0.8, 2.5), (0.0, 0.3), progress=False)]
+['2ω₁/2', '2ω₁']
+
+Rooms, each using those below it: `regions`; `chart` and `boundary`; `engine`, `oracle` and `certified`, which share no
+code and check each other; `running`; `kind`. `floquet.certified` proves verdicts and needs python-flint.
+"""
 
 from floquet.boundary import BoundaryTrace, trace_boundary
 from floquet.chart import StabilityChart, stability_chart

@@ -43,7 +43,7 @@ EQUAL_FREQUENCY = 1e-9
 MAX_RESONANT_STATES = 8
 
 # Least divisor of a quotient that has to stay finite.
-SMALLEST_NORMAL = np.finfo(float).tiny
+SMALLEST_NORMAL = float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,7 @@ from periodic.checks import FloatArray
 
 # Asymmetry of a matrix, and damping of a subsystem, that counts as rounding from assembling the matrices: as a part of
 # the largest entry.
-ASSEMBLY_ROUNDING = 1e-13
+STRUCTURE_ROUNDING = 1e-13
 
 # Cycles of the excitation in one of the least frequency, which serves as a scale where there is little stiffness.
 CYCLES_PER_LEAST_CYCLE = 50
@@ -88,11 +88,11 @@ def _subsystem(system: PeriodicSystem, matrices: FloatArray, V: FloatArray) -> S
     V = V @ sla.solve_triangular(np.linalg.cholesky(V.T @ system.mass @ V), np.eye(V.shape[1]), lower=True).T
     G, C, K, *F = V.T @ matrices @ V
     G, C = (G - G.T) / 2, (C + C.T) / 2
-    symmetric = all(np.abs(S - S.T).max() <= ASSEMBLY_ROUNDING * np.abs(S).max() for S in matrices[2:])
+    symmetric = all(np.abs(S - S.T).max() <= STRUCTURE_ROUNDING * np.abs(S).max() for S in matrices[2:])
     if symmetric:
         K, F = (K + K.T) / 2, [(S + S.T) / 2 for S in F]
     Fc, Fs = np.array(F[: system.harmonics]), np.array(F[system.harmonics :])
-    damped = np.abs(C).max() > ASSEMBLY_ROUNDING * np.linalg.norm(system.damping, 2)
+    damped = np.abs(C).max() > STRUCTURE_ROUNDING * np.linalg.norm(system.damping, 2)
     free = np.block([[np.zeros_like(K), np.eye(len(K))], [-K, -G - C]])
     return Subsystem(
         V,
