@@ -32,7 +32,7 @@ ORDER_TOLERANCE = 0.15
 # polynomial through the rungs.
 MAX_REMAINDER = 0.02
 # Distance below which two edges are one, as part of the frequency: ten times what tracing resolves.
-EDGE_RESOLUTION = 1e-8
+MIN_RESOLVED_GAP = 1e-8
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,11 +183,11 @@ def _judge(rungs: list[_DampingScaled], curves: list[TransitionCurve], eps: Floa
     gap = np.abs(traced - analytic)
     width, traced_width = analytic[1] - analytic[0], traced[1] - traced[0]
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.where(width > EDGE_RESOLUTION * last.centre, traced_width / width, np.nan)
+        ratio = np.where(width > MIN_RESOLVED_GAP * last.centre, traced_width / width, np.nan)
     fitted = np.array([fitted_order(eps, edge) for edge in gap])
     agrees, reason = False, _trouble(traces, eps)
     if not reason:
-        agrees, reason = _verdict(eps, analytic, traced, fitted, order, EDGE_RESOLUTION * last.centre)
+        agrees, reason = _verdict(eps, analytic, traced, fitted, order, MIN_RESOLVED_GAP * last.centre)
     return RegionAgreement(
         label=last.label,
         type=last.type,

@@ -12,8 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from compare.files.cases import load_case
-from compare.files.matrices import load_system
+from compare.files import load_case, load_system
 from floquet_scripts import running
 from periodic import PeriodicSystem, SystemFamily, examples
 from periodic.checks import real_number

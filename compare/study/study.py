@@ -11,7 +11,7 @@ import numpy as np
 from tqdm import tqdm
 
 from compare.audit import audit_sentence
-from compare.files.cases import Case
+from compare.files import Case
 from compare.pictures import Figure, Layer, overlay, region_panels, variant_panels
 from compare.verdicts import DEFAULT_LADDER, RegionAgreement, agreement, traced_curve
 from floquet import BoundaryTrace, StabilityChart, stability_chart

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from compare.files import MATRIX_NAMES, load_system
-from compare.files.cases import MAX_CHART_POINTS
+from compare.files import MATRIX_NAMES, MAX_CHART_POINTS, load_system
 from compare.study.study import Subject
 from compare.study.truncation import lowest_modes
 from compare.window import MODES_SHOWN, default_window
@@ -59,7 +58,7 @@ def own_system(
     Parameters
     ----------
     path : str or Path
-        As for `compare.files.matrices.load_system`.
+        As for `compare.files.load_system`.
     Omega_range, eps_max : optional
         The window; what is left out is `compare.window.default_window`'s.
     all_modes : bool
