@@ -24,21 +24,25 @@ How the files work together, in the order of the derivation:
 - `inplane`, `levy`, `dynamic`, `stress`: the in-plane problem (2a, b), (5)-(8), and the three models of the stress;
 - `basis`, `transverse`: trial functions (6), (9) and the matrices of eqs. (10), (11);
 - `divergence`: the speed at which the stiffness becomes singular;
+- `terms`: how many trial functions, by aspect ratio unless given;
 - `moving_plate`, `si`, `checks`: the plate, its units and the checks of its arguments.
 """
 
 from plate.distribution import Distribution
-from plate.dynamic import InPlaneResonanceWarning
+from plate.dynamic import InPlaneGrowthWarning, InPlaneResonanceWarning
 from plate.inplane import InPlaneFrequencies, StressField
 from plate.loads import WAVEFORMS, EdgeLoad
 from plate.moving_plate import MovingPlate
+from plate.terms import Terms
 
 __all__ = [
     "WAVEFORMS",
     "Distribution",
     "EdgeLoad",
     "InPlaneFrequencies",
+    "InPlaneGrowthWarning",
     "InPlaneResonanceWarning",
     "MovingPlate",
     "StressField",
+    "Terms",
 ]

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from periodic.checks import FloatArray, grid, real_number, whole_number
+from periodic.checks import FloatArray, grid, real_number
 
 # Limits of a/b and of h/b. Beyond those of a/b the smallest stiffness is lost in the rounding of the largest.
 ASPECT_RATIO_LIMITS = (1e-3, 1e3)
@@ -15,12 +15,6 @@ THICKNESS_RATIO_LIMITS = (0.0, 1.0)
 
 # Largest excitation frequency, dimensionless: its square times any parameter of a plate is still a float.
 MAX_FREQUENCY = 1e100
-
-# Most trial functions in one direction, most coordinates, and most in-plane functions in one direction: far more than a
-# study needs, few enough that a slip does not fill the memory.
-MAX_TRANSVERSE_TERMS = 100
-MAX_PLATE_COORDINATES = 1000
-MAX_INPLANE_TERMS = 50
 
 # Points in each direction of the default grid of a stress field.
 STRESS_GRID_POINTS = 41
@@ -52,23 +46,6 @@ def poisson_ratio(value: Any) -> float:
     if not -1 < nu <= 0.5:
         raise ValueError(f"poisson_ratio = {nu!r} is out of range; give -1 < nu <= 0.5")
     return nu
-
-
-def terms(name: str, value: Any) -> int:
-    """Return ``value`` as a number of transverse trial functions in one direction."""
-    return whole_number(name, value, least=1, most=MAX_TRANSVERSE_TERMS)
-
-
-def inplane_terms(value: Any) -> tuple[int, int]:
-    """Return ``value`` as numbers of in-plane trial functions along x and across."""
-    try:
-        axial, lateral = value
-    except (TypeError, ValueError):
-        raise ValueError(f"inplane_terms = {value!r} is not a pair; give (axial, lateral), such as (9, 9)") from None
-    return (
-        whole_number("inplane_terms[0]", axial, least=2, most=MAX_INPLANE_TERMS),
-        whole_number("inplane_terms[1]", lateral, least=1, most=MAX_INPLANE_TERMS),
-    )
 
 
 def places(name: str, value: ArrayLike | None, end: float) -> FloatArray:

@@ -16,7 +16,7 @@ from functools import cached_property
 import numpy as np
 
 from periodic.checks import ComplexArray, FloatArray
-from plate.inplane import InPlaneSubsystem
+from plate.inplane import InPlaneProblem, InPlaneSubsystem
 from plate.stress import StaticStress
 from plate.transverse import NumericArray
 
@@ -39,6 +39,24 @@ RESONANT_AMPLIFICATION = 5.0
 
 class InPlaneResonanceWarning(UserWarning):
     """A harmonic of the excitation comes near an in-plane resonance of the plate."""
+
+
+class InPlaneGrowthWarning(UserWarning):
+    """In-plane modes of eq. (8) grow at the speed of the plate."""
+
+
+def warn_of_growth(problem: InPlaneProblem, wave_speed: float, speed: float, damping: float) -> None:
+    """Warn if in-plane modes grow at speed V: the response that `DynamicStress` takes is steady, and ignores them."""
+    exponent = wave_speed * problem.growth(speed / wave_speed, damping * wave_speed)
+    if exponent:
+        warnings.warn(
+            f"at speed = {speed:.6g}, {abs(speed) / wave_speed:.3g} of the in-plane wave speed, in-plane modes of eq. "
+            f"(8) grow, the fastest at the rate {exponent.real:.3g} with frequency {abs(exponent.imag):.6g}; the plate "
+            "takes the steady in-plane response all the same. Growth that rises with inplane_terms belongs to the "
+            "discretisation: give a thinner plate, a lower speed, fewer inplane_terms or inplane='static'",
+            InPlaneGrowthWarning,
+            stacklevel=4,  # whoever builds the plate
+        )
 
 
 @dataclass(frozen=True)
@@ -94,7 +112,8 @@ class DynamicStress(StaticStress):
                 z = subsystem.solve(static, kappa, mach, loss)
                 F += self._stiffness(subsystem.shapes @ z)
             if np.linalg.norm(z) * abs(1 + 1j * loss) > RESONANT_AMPLIFICATION * np.linalg.norm(static):
-                resonance = self.wave_speed * subsystem.frequencies[np.argmin(np.abs(subsystem.frequencies - kappa))]
+                frequencies = subsystem.frequencies_at(abs(mach))
+                resonance = self.wave_speed * frequencies[np.argmin(np.abs(frequencies - kappa))]
                 warnings.warn(
                     f"harmonic {harmonic} of the excitation comes near the in-plane natural frequency {resonance:.6g} "
                     f"(Omega = {resonance / harmonic:.6g}); the in-plane stress is more than "

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -42,6 +42,9 @@ LOAD_COEFFICIENT_TOLERANCE = 1e-14
 
 # An eigenvalue is real if its imaginary part is below this part of its modulus: double ones keep half the digits.
 REAL_EIGENVALUE_TOLERANCE = 1e-7
+
+# A mode grows if the real part of its exponent is above this part of its modulus: a hundred times what rounding leaves.
+GROWTH_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,6 +108,31 @@ class InPlaneSubsystem:
     def frequencies(self) -> FloatArray:
         """Natural frequencies at rest divided by C, ascending, shape (N,)."""
         return 1 / np.sqrt(np.linalg.eigvalsh(self.inertia)[::-1])
+
+    def exponents(self, mach: float, loss_time: float) -> ComplexArray:
+        """Return the exponents of free in-plane motion divided by C, shape (2 N,).
+
+        Parameters
+        ----------
+        mach : float
+            V / C.
+        loss_time : float
+            c C: Kelvin–Voigt damping in the time unit of in-plane waves.
+        """
+        size = len(self.inertia)
+        one, zero = np.eye(size), np.zeros((size, size))
+        elastic = one + mach**2 * self.transport
+        resistance = mach * self.gyroscopic + loss_time * one
+        lower = -np.linalg.solve(self.inertia, np.hstack([elastic, resistance]))
+        pencil = np.vstack([np.hstack([zero, one]), lower])
+        return np.linalg.eigvals(pencil).astype(np.complex128)
+
+    def frequencies_at(self, mach: float) -> FloatArray:
+        """Return the natural frequencies at speed V divided by C, undamped, ascending."""
+        if mach == 0:
+            return self.frequencies.copy()
+        exponents = self.exponents(mach, 0.0)
+        return np.sort(exponents.imag[exponents.imag > REAL_EIGENVALUE_TOLERANCE * np.abs(exponents)])
 
     def solve(self, static: NumericArray, kappa: float, mach: float, loss: float) -> NumericArray:
         """Return z at one frequency.
@@ -220,6 +248,17 @@ class InPlaneProblem:
         nu = self.nu
         return np.stack([u_X + nu * v_Y, v_Y + nu * u_X, (1 - nu) / 2 * (u_Y + v_X)], axis=-3)
 
+    def growth(self, mach: float, loss_time: float) -> complex:
+        """Return the exponent, divided by C, of the in-plane mode that grows fastest; 0 where none grows.
+
+        Arguments as `InPlaneSubsystem.exponents`. (2a, b) move material through ends at which u is free. That is not
+        conservative: pairs of modes may flutter. The growth of the highest modes of the discretised problem is
+        spurious: it rises with the number of functions.
+        """
+        exponents = np.concatenate([part.exponents(mach, loss_time) for part in self.subsystems])
+        growing = exponents[exponents.real > GROWTH_TOLERANCE * np.abs(exponents)]
+        return complex(growing[np.argmax(growing.real)]) if growing.size else 0j
+
     def _matrices(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return K_ie / beta, G_i and K_ig of eq. (8)."""
         nu, one_x, one_y = self.nu, np.eye(self.axial), np.eye(self.lateral)
@@ -235,3 +274,9 @@ class InPlaneProblem:
         G = block_diag(2 * kronecker(P, one_y), 2 * kronecker(S, one_y))  # 2 (u_X, phi), 2 (v_X, psi)
         K_g = block_diag(kronecker(P @ P, one_y), kronecker(-alpha2, one_y))  # (u_XX, phi), (v_XX, psi)
         return np.block([[K_uu, K_uv], [K_uv.T, K_vv]]), G, K_g
+
+
+@lru_cache(maxsize=8)
+def inplane_problem(r: float, nu: float, axial: int, lateral: int) -> InPlaneProblem:
+    """Return the problem of these parameters, shared by all plates that have them: its matrices are worked out once."""
+    return InPlaneProblem(r, nu, axial, lateral)

@@ -14,11 +14,12 @@ from periodic import PeriodicSystem
 from periodic.checks import FloatArray, one_of, real_number, whole_number
 from plate import checks, transverse
 from plate.divergence import divergence_speed
-from plate.dynamic import DynamicStress
-from plate.inplane import InPlaneFrequencies, InPlaneProblem, StressField
+from plate.dynamic import DynamicStress, warn_of_growth
+from plate.inplane import InPlaneFrequencies, InPlaneProblem, StressField, inplane_problem
 from plate.loads import EdgeLoad
 from plate.si import SIProperties
 from plate.stress import MembraneStress, StaticStress, StressModel
+from plate.terms import Terms, chosen_terms
 
 INPLANE_MODELS = ("membrane", "static", "dynamic")
 
@@ -50,12 +51,13 @@ class MovingPlate:
     inplane : {"membrane", "static", "dynamic"}
         How the in-plane stress follows from the edge load: "membrane", N_xx = f(y) and N_yy = N_xy = 0; "static", from
         eq. (8) without inertia and transport; "dynamic", from eq. (8) in full, V^2 K_ig in the static stress included.
-    axial_terms : int
+    axial_terms : int, optional
         K, sines along x.
-    lateral_terms : int
+    lateral_terms : int, optional
         L + 1, polynomials in y of degree 0 to L. The system has n = axial_terms * lateral_terms coordinates.
-    inplane_terms : tuple of two int
+    inplane_terms : tuple of two int, optional
         M + 1 and N + 1, functions of x and of y in each of u and v, for "static" and "dynamic"; M + 1 >= a/b.
+        Numbers left out follow the aspect ratio (`plate.terms`): 4, 7 and (9, 9) for a square plate.
     si : SIProperties, optional
         Set by `from_si`; needed only to return to SI units.
 
@@ -63,6 +65,11 @@ class MovingPlate:
     ------
     ValueError
         If a parameter is out of range, the static tension buckles the plate, or the speed reaches the divergence speed.
+
+    Warns
+    -----
+    InPlaneGrowthWarning
+        If in-plane modes of eq. (8) grow at this speed, with ``inplane="dynamic"``.
     """
 
     aspect_ratio: float = 1.0
@@ -73,9 +80,9 @@ class MovingPlate:
     thickness_ratio: float = 0.01
     load: EdgeLoad = field(default_factory=EdgeLoad.uniform)
     inplane: str = "membrane"
-    axial_terms: int = 4
-    lateral_terms: int = 7
-    inplane_terms: tuple[int, int] = (9, 9)
+    axial_terms: int | None = None
+    lateral_terms: int | None = None
+    inplane_terms: tuple[int, int] | None = None
     si: SIProperties | None = field(default=None, kw_only=True, repr=False)
 
     def __post_init__(self) -> None:
@@ -87,20 +94,13 @@ class MovingPlate:
             "poisson_ratio": checks.poisson_ratio(self.poisson_ratio),
             "thickness_ratio": checks.ratio("thickness_ratio", self.thickness_ratio, checks.THICKNESS_RATIO_LIMITS),
             "inplane": one_of("inplane", self.inplane, INPLANE_MODELS),
-            "axial_terms": checks.terms("axial_terms", self.axial_terms),
-            "lateral_terms": checks.terms("lateral_terms", self.lateral_terms),
-            "inplane_terms": checks.inplane_terms(self.inplane_terms),
         }
         for name, value in checked.items():
             object.__setattr__(self, name, value)
-        if self.axial_terms * self.lateral_terms > checks.MAX_PLATE_COORDINATES:
+        along = self.terms.inplane[0]
+        if self.inplane != "membrane" and along < self.aspect_ratio:
             raise ValueError(
-                f"axial_terms * lateral_terms = {self.axial_terms * self.lateral_terms} coordinates; "
-                f"give at most {checks.MAX_PLATE_COORDINATES}"
-            )
-        if self.inplane != "membrane" and self.inplane_terms[0] < self.aspect_ratio:
-            raise ValueError(
-                f"inplane_terms[0] = {self.inplane_terms[0]} cannot resolve the stress at the ends of a plate of "
+                f"inplane_terms[0] = {along} cannot resolve the stress at the ends of a plate of "
                 f"aspect_ratio = {self.aspect_ratio!r}; give a number above it, or inplane='membrane'"
             )
         if not isinstance(self.load, EdgeLoad):
@@ -112,6 +112,8 @@ class MovingPlate:
                 f"speed = {self.speed!r} is not below the divergence speed {self.critical_speed():.10g}, from which on "
                 "the plate diverges without excitation (K_o is not positive definite); lower speed or raise tension"
             )
+        if self.inplane == "dynamic":
+            warn_of_growth(self._inplane_problem, self._wave_speed, self.speed, self.damping)
 
     @classmethod
     def from_si(
@@ -169,6 +171,11 @@ class MovingPlate:
             **discretisation,
         )
 
+    @cached_property
+    def terms(self) -> Terms:
+        """Numbers of trial functions in use: those given, and those of the aspect ratio in place of None."""
+        return chosen_terms(self.axial_terms, self.lateral_terms, self.inplane_terms, self.aspect_ratio)
+
     @property
     def length_unit(self) -> float:
         """Length in m of one unit: b."""
@@ -222,13 +229,13 @@ class MovingPlate:
         return self._critical_speed
 
     def inplane_frequencies(self) -> InPlaneFrequencies:
-        """Return the natural frequencies of in-plane vibration at rest, undamped, dimensionless.
+        """Return the natural frequencies of in-plane vibration at the plate's speed, undamped, dimensionless.
 
         Those of the discretised problem (8), whatever ``inplane`` says; the lowest half or so are accurate. The rigid
         translation along x, of frequency 0, is left out.
         """
-        at_rest = (self._wave_speed * part.frequencies for part in self._inplane_problem.subsystems)
-        return InPlaneFrequencies(*(_read_only(frequencies) for frequencies in at_rest))
+        mach, subsystems = self.speed / self._wave_speed, self._inplane_problem.subsystems
+        return InPlaneFrequencies(*(_read_only(self._wave_speed * part.frequencies_at(mach)) for part in subsystems))
 
     def at(self, Omega: float) -> PeriodicSystem:
         """Return the system (11) at excitation frequency ``Omega`` (`periodic.SystemFamily`).
@@ -243,7 +250,7 @@ class MovingPlate:
         Returns
         -------
         PeriodicSystem
-            n = axial_terms * lateral_terms coordinates and the load's J harmonics.
+            n = ``terms.coordinates`` coordinates and the load's J harmonics.
 
         Raises
         ------
@@ -305,7 +312,7 @@ class MovingPlate:
         for j in range(1, self.load.harmonics + 1):
             F[j - 1] = self.tension * self._stress.stiffness(j, Omega)
         return PeriodicSystem(
-            mass=np.eye(self.axial_terms * self.lateral_terms),
+            mass=np.eye(self.terms.coordinates),
             gyroscopic=self.speed * self._gyroscopic,
             damping=self.damping * self.elastic_stiffness,
             stiffness=self._stiffness,
@@ -339,7 +346,7 @@ class MovingPlate:
 
     @cached_property
     def _inplane_problem(self) -> InPlaneProblem:
-        return InPlaneProblem(self.aspect_ratio, self.poisson_ratio, *self.inplane_terms)
+        return inplane_problem(self.aspect_ratio, self.poisson_ratio, *self.terms.inplane)
 
     @cached_property
     def _stress(self) -> StressModel:
@@ -360,7 +367,7 @@ class MovingPlate:
 
     @property
     def _terms(self) -> tuple[int, int]:
-        return self.axial_terms, self.lateral_terms
+        return self.terms.axial, self.terms.lateral
 
     @property
     def _si(self) -> SIProperties:

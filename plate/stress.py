@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Protocol
 
 import numpy as np
@@ -97,11 +97,11 @@ class StaticStress:
 
     def static_stiffness(self, speed: float) -> FloatArray:
         """Return F_c0, the same at every speed."""
-        return self._stiffness(self._response(0)).real
+        return static_amplitude(self, 0).real
 
     def stiffness(self, harmonic: int, Omega: float) -> ComplexArray:
         """Return F_cj - i F_sj, the same at every Omega."""
-        return self._stiffness(self._response(harmonic))
+        return static_amplitude(self, harmonic)
 
     def field(self, harmonic: int, Omega: float, X: FloatArray, Y: FloatArray) -> ComplexArray:
         """Return the exact stresses, the same at every Omega."""
@@ -112,9 +112,6 @@ class StaticStress:
             stresses -= 1j * static_stresses(f_s, r, nu, X, Y)
         return stresses
 
-    def _response(self, harmonic: int) -> ComplexArray:
-        return self.problem.static_response(self.forces[harmonic])
-
     def _stiffness(self, coefficients: NumericArray) -> NumericArray:
         return self.problem.stress_stiffness(coefficients, self.K, self.lateral)
 
@@ -123,3 +120,12 @@ class StaticStress:
         """Edge forces of f_cj - i f_sj for j = 0 to J, as from `InPlaneProblem.force`."""
         pairs = (self.load.harmonic(j) for j in range(self.load.harmonics + 1))
         return [self.problem.force(f_c) - 1j * self.problem.force(f_s) for f_c, f_s in pairs]
+
+
+@lru_cache(maxsize=8)
+def static_amplitude(model: StaticStress, harmonic: int) -> ComplexArray:
+    """Return F_cj - i F_sj of a model, kept because plates that differ in speed or tension alone share it."""
+    coefficients = model.problem.static_response(model.forces[harmonic])
+    F = model.problem.stress_stiffness(coefficients, model.K, model.lateral)
+    F.setflags(write=False)
+    return F

@@ -153,7 +153,7 @@ def _example(name: str, settings: dict[str, Any]) -> dict[str, SystemFamily]:
 
 def _small(plate: MovingPlate, terms: tuple[int, int] | None) -> MovingPlate:
     if terms is None:
-        if plate.axial_terms * plate.lateral_terms <= MOST_COORDINATES:
+        if plate.terms.coordinates <= MOST_COORDINATES:
             return plate
         terms = SMALL_TERMS
     return dataclasses.replace(plate, axial_terms=terms[0], lateral_terms=terms[1])

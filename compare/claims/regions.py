@@ -143,7 +143,7 @@ def nothing_elsewhere(study: ClaimRange) -> ClaimVerdict:
 def _symmetry(plate: MovingPlate) -> str:
     """Name what the paper's reason rests on: load and modes symmetric or antisymmetric about the mid-line."""
     system = plate.at(0.0)
-    antisymmetric = np.arange(system.size) % plate.lateral_terms % 2 == 1  # odd polynomials across the plate
+    antisymmetric = np.arange(system.size) % plate.terms.lateral % 2 == 1  # odd polynomials across the plate
     if (
         np.abs(system.cosine[:, antisymmetric][:, :, ~antisymmetric]).max()
         > SYMMETRIC_LOAD_TOLERANCE * np.abs(system.cosine).max()

@@ -132,7 +132,7 @@ class Case(_Table):
             raise ValueError(_explain(error, where)) from None
         except ValueError as error:
             raise ValueError(f"{where}: {error}") from None
-        highest, count = max(map(max, self.regions)), plate.axial_terms * plate.lateral_terms
+        highest, count = max(map(max, self.regions)), plate.terms.coordinates
         if highest > count:
             raise ValueError(f"regions names mode {highest}, but the plate of {where} has {count} modes only")
         return plate

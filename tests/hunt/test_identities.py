@@ -208,7 +208,7 @@ def test_harmonics_of_a_lower_frequency(
 def test_a_plate_in_the_mirror(integrate: Integrator, plate: MovingPlate, Omega: float, eps: float) -> None:
     """x -> a - x turns V into -V: sines change by (-1)^(k + 1), and nothing else happens."""
     system, other = plate.at(Omega), replace(plate, speed=-plate.speed).at(Omega)
-    parity = np.repeat((-1.0) ** np.arange(plate.axial_terms), plate.lateral_terms)
+    parity = np.repeat((-1.0) ** np.arange(plate.terms.axial), plate.terms.lateral)
     for one, two in zip(arrays(transformed(system, np.diag(parity))), arrays(other), strict=True):
         np.testing.assert_allclose(one, two, atol=1e-11 * np.abs(system.stiffness).max())
     assert_same(integrate(system, Omega, eps), integrate(other, Omega, eps))
@@ -242,8 +242,8 @@ def test_frequencies_and_the_divergence_speed_fall_as_terms_are_added(plate: Mov
 
     few = frequencies_at_rest(plate)
     for more in (
-        replace(plate, axial_terms=plate.axial_terms + 1),
-        replace(plate, lateral_terms=plate.lateral_terms + 1),
+        replace(plate, axial_terms=plate.terms.axial + 1),
+        replace(plate, lateral_terms=plate.terms.lateral + 1),
     ):
         assert (frequencies_at_rest(more)[: len(few)] <= few * (1 + 1e-11)).all()
         assert more.critical_speed() <= plate.critical_speed() * (1 + 1e-11)

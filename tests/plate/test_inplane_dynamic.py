@@ -12,7 +12,7 @@ from numpy.polynomial import Legendre
 from numpy.typing import NDArray
 
 from periodic.checks import ComplexArray
-from plate import EdgeLoad, InPlaneResonanceWarning, MovingPlate, StressField, transverse
+from plate import EdgeLoad, InPlaneGrowthWarning, InPlaneResonanceWarning, MovingPlate, StressField, transverse
 from plate.basis import gauss_legendre
 from plate.inplane import InPlaneProblem
 
@@ -47,7 +47,7 @@ def brute_force(plate: MovingPlate, w: float, f_c: Any, f_s: Any, X: Any, Y: Any
         plate.damping,
         12 / plate.thickness_ratio**2,
     )
-    M, N = plate.inplane_terms
+    M, N = plate.terms.inplane
 
     def functions(x: NDArray[np.float64], y: NDArray[np.float64], order: tuple[int, int], kind: str) -> Any:
         across = np.array([Legendre.basis(n, domain=[0, 1]).deriv(order[1])(y) for n in range(N)])
@@ -105,7 +105,7 @@ def test_every_harmonic_against_brute_force(parameters: dict[str, float]) -> Non
     for j in (1, 2):
         # F, all of it
         exact = brute_force(plate, j * 37.0, *OBLIQUE.harmonic(j), rules[0][0], rules[1][0])
-        F = transverse.stress_stiffness(exact, *rules, plate.axial_terms, plate.lateral_terms, plate.aspect_ratio)
+        F = transverse.stress_stiffness(exact, *rules, plate.terms.axial, plate.terms.lateral, plate.aspect_ratio)
         found = system.cosine[j - 1] - 1j * system.sine[j - 1]
         np.testing.assert_allclose(found, F, atol=1e-9 * np.abs(F).max())
         # of the stress, what inertia adds
@@ -122,14 +122,15 @@ def values(field: StressField) -> ComplexArray:
 def from_full_solution(plate: MovingPlate, Omega: float, j: int) -> ComplexArray:
     """F_cj - i F_sj (times f0) from the full system, integrated on another grid."""
     rules = gauss_legendre(50, 0.0, plate.aspect_ratio), gauss_legendre(40, 0.0, 1.0)
-    problem = InPlaneProblem(plate.aspect_ratio, plate.poisson_ratio, *plate.inplane_terms)
+    problem = InPlaneProblem(plate.aspect_ratio, plate.poisson_ratio, *plate.terms.inplane)
     f_c, f_s = plate.load.harmonic(j)
     w, C = j * Omega, np.sqrt(12) / plate.thickness_ratio
     response = problem.response(problem.force(f_c) - 1j * problem.force(f_s), w / C, plate.speed / C, w * plate.damping)
     stresses = plate.tension * problem.stresses(response, rules[0][0], rules[1][0])
-    return transverse.stress_stiffness(stresses, *rules, plate.axial_terms, plate.lateral_terms, plate.aspect_ratio)
+    return transverse.stress_stiffness(stresses, *rules, plate.terms.axial, plate.terms.lateral, plate.aspect_ratio)
 
 
+@pytest.mark.filterwarnings("ignore::plate.InPlaneGrowthWarning")
 @pytest.mark.filterwarnings("ignore::plate.InPlaneResonanceWarning")
 @pytest.mark.parametrize("thickness_ratio", [0.01, 0.05, 0.2])
 @pytest.mark.parametrize("damping", [0.0, 1e-4])
@@ -155,6 +156,7 @@ def test_reduction_serves_a_chart_of_a_thin_plate(monkeypatch: pytest.MonkeyPatc
         plate_.at(float(Omega))
 
 
+@pytest.mark.filterwarnings("ignore::plate.InPlaneGrowthWarning")
 @pytest.mark.filterwarnings("ignore::plate.InPlaneResonanceWarning")
 def test_answers_do_not_depend_on_earlier_questions() -> None:
     def make() -> MovingPlate:
@@ -184,6 +186,7 @@ def test_inertia_is_of_second_order_in_the_thickness() -> None:
         assert np.polyfit(np.log(ratios), np.log(differences), 1)[0] == pytest.approx(2, abs=0.05)
 
 
+@pytest.mark.filterwarnings("ignore::plate.InPlaneGrowthWarning")
 def test_slow_excitation_is_quasi_static() -> None:
     # j Omega -> 0: the excitation becomes the static stress of eq. (8), V^2 K_ig included.
     plate_ = MovingPlate(inplane="dynamic", thickness_ratio=0.1, load=EdgeLoad.parabolic())
@@ -193,6 +196,7 @@ def test_slow_excitation_is_quasi_static() -> None:
     np.testing.assert_allclose(np.diff(np.log2(differences)), 2.0, atol=0.01)
 
 
+@pytest.mark.filterwarnings("ignore::plate.InPlaneGrowthWarning")
 def test_static_transport_term_changes_the_divergence_speed() -> None:
     # F_c0 at V_cr, not at the plate's own speed, decides: both plates have one V_cr, at which K_o is singular.
     slow, fast = (MovingPlate(speed=V, inplane="dynamic", thickness_ratio=0.2) for V in (0.0, 4.0))
@@ -203,6 +207,7 @@ def test_static_transport_term_changes_the_divergence_speed() -> None:
     assert abs(np.linalg.eigvalsh(at_critical.at(1.0).stiffness)[0]) < 1e-5
 
 
+@pytest.mark.filterwarnings("ignore::plate.InPlaneGrowthWarning")
 @pytest.mark.filterwarnings("ignore:harmonic 1 of the excitation comes near:plate.InPlaneResonanceWarning")
 @pytest.mark.parametrize(
     ("r", "tension", "thickness", "nu"), [(0.10798, 54.98, 0.09208, -0.3363), (0.21156, 3220.7, 0.051076, 0.2871)]
@@ -290,3 +295,40 @@ def test_a_resonance_is_announced_once_for_a_chart() -> None:
         for share in np.linspace(0.96, 1.04, 20):
             plate_.at(share * resonance)
     assert len(caught) == 1
+
+
+@pytest.mark.parametrize("speed", [0.0, 6.0, 20.0])
+def test_in_plane_frequencies_of_a_moving_bar(speed: float) -> None:
+    # nu = 0, u(X, t) alone with u_X = 0 at both ends: waves of speed C - V and C + V, w_n = n pi (C^2 - V^2) / (C r).
+    plate = MovingPlate(
+        aspect_ratio=1.3, speed=speed, tension=500.0, poisson_ratio=0, thickness_ratio=0.05, inplane_terms=(17, 1)
+    )
+    C = np.sqrt(12) / 0.05
+    exact = np.arange(1, 4) * np.pi * (C**2 - speed**2) / (C * 1.3)
+    found = plate.inplane_frequencies()
+    bars = [found.symmetric[np.argmin(np.abs(found.symmetric - w))] for w in exact]
+    np.testing.assert_allclose(bars, exact, rtol=1e-6)
+
+
+def test_the_full_equation_resonates_at_the_frequencies_of_the_moving_plate() -> None:
+    # By brute force, from the weak form: the response peaks at the frequency of the moving plate, not at that at rest.
+    plate = MovingPlate(speed=20.0, tension=600.0, thickness_ratio=0.05, inplane_terms=(7, 6))
+    X, Y = np.array([0.3]), np.array([0.2])
+    lowest = plate.inplane_frequencies().symmetric[0]
+    at_rest = replace(plate, speed=0.0).inplane_frequencies().symmetric[0]
+    assert lowest < 0.95 * at_rest
+    peak, beside = (
+        np.abs(brute_force(plate, w, *plate.load.harmonic(1), X, Y)).max() for w in (lowest * (1 + 1e-7), at_rest)
+    )
+    assert peak > 1e4 * beside
+
+
+def test_in_plane_modes_that_grow_are_said() -> None:
+    # V/C = 0.3: the plate does not diverge in its own plane, but the highest modes grow.
+    thick: dict[str, Any] = {"speed": 20.785, "tension": 800.0, "thickness_ratio": 0.05, "inplane": "dynamic"}
+    with pytest.warns(InPlaneGrowthWarning, match=r"speed = 20.785, 0.3 of the in-plane wave speed"):
+        MovingPlate(**thick)
+    MovingPlate(inplane="dynamic")  # warnings are errors here
+    growth = [InPlaneProblem(1.0, 0.3, M, 9).growth(0.3, 0.0).real for M in (9, 13)]
+    assert 1 < growth[0] < growth[1]
+    assert InPlaneProblem(1.0, 0.3, 9, 9).growth(0.3, 1.0) == 0  # strong damping stops it

@@ -24,7 +24,7 @@ class Ritz:
     """The static stress of the trial space (6), from which F is made, on Gauss points."""
 
     def __init__(self, plate: MovingPlate) -> None:
-        problem = InPlaneProblem(plate.aspect_ratio, plate.poisson_ratio, *plate.inplane_terms)
+        problem = InPlaneProblem(plate.aspect_ratio, plate.poisson_ratio, *plate.terms.inplane)
         self.rules = gauss_legendre(50, 0.0, plate.aspect_ratio), gauss_legendre(40, 0.0, 1.0)
         (self.X, self.W_X), (self.Y, self.W_Y) = self.rules
         coefficients = problem.static_response(problem.force(plate.load.static))
@@ -96,7 +96,7 @@ def test_stiffness_is_the_integral_of_the_stress(load: EdgeLoad) -> None:
     plate = MovingPlate(load=load, aspect_ratio=1.3, inplane="static")
     ritz = Ritz(plate)
     F = transverse.stress_stiffness(
-        ritz.stresses, *ritz.rules, plate.axial_terms, plate.lateral_terms, plate.aspect_ratio
+        ritz.stresses, *ritz.rules, plate.terms.axial, plate.terms.lateral, plate.aspect_ratio
     )
     system = plate.at(1.0)
     np.testing.assert_allclose(F, system.cosine[0], atol=1e-11 * np.abs(F).max())

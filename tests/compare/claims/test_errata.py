@@ -9,6 +9,7 @@ import numpy as np
 
 from perturb import gyroscopic_modes
 from plate import EdgeLoad, MovingPlate
+from plate.basis import kronecker, legendre_derivative, sine_derivative, sine_wavenumbers
 from tests.paths import ROOT
 from tests.perturb.paper_blocks import modal_blocks
 
@@ -46,3 +47,24 @@ def test_every_test_that_the_errata_name_exists() -> None:
     }
     assert named
     assert named <= defined
+
+
+def test_size_of_the_material_derivative_in_the_damping() -> None:
+    # c (d/dt + V d/dx) in place of c d/dt adds c V B, B w = the bending forces of w_X, which is not symmetric. Mode n
+    # then decays by omega^2 w^H K_oe w + omega V Im(w^H B w) in place of the first term alone, eq. (26a).
+    plate = MovingPlate(inplane="static", axial_terms=10, lateral_terms=9)
+    K, lateral, _ = plate.terms
+    nu = plate.poisson_ratio
+    S, D = sine_derivative(K, plate.aspect_ratio), legendre_derivative(lateral)
+    alpha2, D2 = np.diag(sine_wavenumbers(K, plate.aspect_ratio) ** 2), D @ D
+    B = (
+        kronecker(alpha2 @ S @ alpha2, np.eye(lateral))  # (w_XXX, phi_XX)
+        + kronecker(S, D2.T @ D2)  # (w_XYY, phi_YY)
+        - nu * (kronecker(S @ alpha2, D2.T) + kronecker(alpha2 @ S, D2))  # nu (w_XXX, phi_YY), nu (w_XYY, phi_XX)
+        + 2 * (1 - nu) * kronecker(S @ alpha2, D.T @ D)  # 2 (1 - nu) (w_XXY, phi_XY)
+    )
+    modes = gyroscopic_modes(plate.at(0.0))
+    omega, w = modes.frequencies[:3], modes.vectors[:, :3]
+    partial = modes.decay_coefficients(plate.elastic_stiffness)[:3]
+    added = plate.speed * omega * np.einsum("in,ij,jn->n", w.conj(), B, w).imag
+    np.testing.assert_allclose(added / partial, [0.667, 0.393, 0.145], atol=0.001)  # as docs/errata.md says

@@ -167,4 +167,25 @@ FAULTS = (
         "gyroscopic=abs(self.speed) * self._gyroscopic",
         "hunt/test_identities.py",
     ),
+    Fault(
+        "in-plane frequencies of the plate at rest",
+        "plate/inplane.py",
+        "resistance = mach * self.gyroscopic",
+        "resistance = 0 * self.gyroscopic",
+        "plate/test_inplane_dynamic.py",
+    ),
+    Fault(
+        "growth in the plane unnoticed",
+        "plate/inplane.py",
+        "exponents.real > GROWTH_TOLERANCE",
+        "exponents.real > 1e9 * GROWTH_TOLERANCE",
+        "plate/test_inplane_dynamic.py",
+    ),
+    Fault(
+        "terms of a square plate for every plate",
+        "plate/terms.py",
+        "default = default_terms(aspect_ratio)",
+        "default = default_terms(1.0)",
+        "plate/test_moving_plate.py",
+    ),
 )
