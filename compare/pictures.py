@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from io import BytesIO
 from itertools import zip_longest
 from typing import Any
 
@@ -11,10 +12,12 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from compare.colours import GROWTH_MAP, UNDECIDED_GREY
 from floquet import BoundaryTrace, Kind, StabilityChart
 from periodic.checks import FloatArray
 from perturb import TransitionCurve
@@ -22,8 +25,6 @@ from perturb import TransitionCurve
 # Okabe and Ito's colours, told apart by readers with any colour vision; the analytic curve always wears the warm one.
 BLUE, ORANGE, GREEN, PURPLE, GREY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#777777"
 VARIANT_COLOURS = (BLUE, ORANGE, GREEN, PURPLE)
-# Light means stable; dark means fast growth. Blue only, so that the orange curves stay visible on every shade.
-GROWTH_MAP = "Blues"
 # Width of a character and least space between two labels, in points.
 CHARACTER_POINTS, LABEL_GAP_POINTS = 5.6, 8.0
 # Width at the top of the window, as part of the window, below which a region is not seen.
@@ -73,7 +74,7 @@ def overlay(
     Returns
     -------
     matplotlib.figure.Figure
-        Save it with ``figure.savefig(path)``.
+        Save it with ``figure.savefig(path)``; as the value of a notebook's cell it shows itself.
 
     Raises
     ------
@@ -227,9 +228,19 @@ def _variant_handles(layers: Sequence[Layer]) -> list[Line2D | Patch]:
     return [handle for pair in zip_longest(named, lines) for handle in pair if handle is not None]
 
 
-def new_figure(size: tuple[float, float]) -> Figure:
-    """Return an empty figure that no window system knows of."""
-    figure = Figure(figsize=size, layout="constrained")
+class Picture(Figure):
+    """A figure that no window system knows of; a notebook shows it as the value of a cell."""
+
+    def _repr_png_(self) -> bytes:
+        """Return the picture as IPython asks for it."""
+        buffer = BytesIO()
+        self.savefig(buffer, format="png")
+        return buffer.getvalue()
+
+
+def new_figure(size: tuple[float, float]) -> Picture:
+    """Return an empty picture."""
+    figure = Picture(figsize=size, layout="constrained")
     FigureCanvasAgg(figure)
     return figure
 
@@ -244,9 +255,8 @@ def draw_growth(axes: Axes, chart: StabilityChart | None, *, colour_bar: bool = 
         chart.Omega, chart.eps, growth, cmap=GROWTH_MAP, vmin=0, shading="nearest", rasterized=True, zorder=0
     )
     undecided = np.ma.masked_where(chart.kind != Kind.UNDECIDED, np.ones_like(chart.growth_rate))
-    axes.pcolormesh(
-        chart.Omega, chart.eps, undecided, cmap="Greys", vmin=0, vmax=2, shading="nearest", rasterized=True, zorder=0
-    )
+    grey = ListedColormap([UNDECIDED_GREY])
+    axes.pcolormesh(chart.Omega, chart.eps, undecided, cmap=grey, shading="nearest", rasterized=True, zorder=0)
     if colour_bar and unstable.any():
         bar = axes.figure.colorbar(mesh, ax=axes, pad=0.01, aspect=30)
         bar.set_label("growth rate  max log|μ| / T")
@@ -374,9 +384,9 @@ def legend_handles(chart: StabilityChart | None, *, traced: bool, theory: bool =
     """Return one legend entry for each thing that the picture shows."""
     handles: list[Line2D | Patch] = []
     if chart is not None:
-        handles.append(Patch(color=mpl.colormaps[GROWTH_MAP](0.6), label="unstable by integration"))
+        handles.append(Patch(color=GROWTH_MAP(0.6), label="unstable by integration"))
         if (chart.kind == Kind.UNDECIDED).any():
-            handles.append(Patch(color=mpl.colormaps["Greys"](0.5), label="undecided"))
+            handles.append(Patch(color=UNDECIDED_GREY, label="undecided"))
     if traced:
         handles.append(Line2D([], [], color="black", lw=EDGE_LINE_WIDTH, label="Floquet boundary (traced)"))
     if theory:

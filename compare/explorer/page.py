@@ -34,10 +34,10 @@ from bokeh.models import (
     Range1d,
 )
 from bokeh.models.layouts import LayoutDOM
-from bokeh.palettes import Blues256
 from bokeh.plotting import figure
 from bokeh.resources import INLINE
 
+from compare.colours import GROWTH_PALETTE, UNDECIDED_GREY
 from compare.explorer.exploration import Exploration
 from compare.explorer.page_data import cell_data, curve_data, label_data, outline_data, point_data
 from compare.explorer.responses import Response
@@ -47,9 +47,6 @@ from floquet import Kind
 SCRIPT = (Path(__file__).parent / "page.js").read_text(encoding="utf-8")
 TEXT_STYLE = {"font-family": "system-ui, sans-serif", "font-size": "14px", "color": "#222"}
 
-# From a blue that can be seen on white to a dark one, as in the printed overlays.
-GROWTH_PALETTE = tuple(reversed(Blues256[:220]))
-UNDECIDED_GREY = "#bbbbbb"
 KIND_COLOURS = {Kind.PLUS_ONE: GREEN, Kind.MINUS_ONE: BLUE, Kind.COMPLEX: PURPLE}
 KIND_NAMES = [
     (int(Kind.UNDECIDED), "undecided"),

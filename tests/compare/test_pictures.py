@@ -14,7 +14,7 @@ from matplotlib.text import Text
 from compare.pictures import Layer, _spread, draw_traces, new_figure, overlay, region_panels, variant_panels
 from floquet import StabilityChart, stability_chart, trace_boundary
 from periodic import PeriodicSystem
-from periodic.examples import coupled_mathieu
+from periodic.examples import coupled_mathieu, mathieu
 from perturb import transition_curves
 
 EPS = np.array([0.1, 0.2, 0.3])
@@ -138,3 +138,8 @@ def test_one_panel_a_system(layer: Layer, damped: Layer) -> None:
 def test_nothing_to_draw_is_refused() -> None:
     with pytest.raises(ValueError, match="chart is None"):
         overlay(None, [])
+
+
+def test_a_notebook_shows_a_picture() -> None:
+    picture = overlay(None, [], [trace_boundary(mathieu(), near=2.0, eps=[0.1, 0.2])])
+    assert picture._repr_png_().startswith(b"\x89PNG")

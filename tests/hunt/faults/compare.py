@@ -80,4 +80,11 @@ FAULTS = (
         "stage = target",
         "compare/files/test_publish.py",
     ),
+    Fault(
+        "slow growth as pale as stability",
+        "compare/colours.py",
+        "GROWTH_PART = (0.36, 1.0)",
+        "GROWTH_PART = (0.0, 1.0)",
+        "compare/test_colours.py",
+    ),
 )
