@@ -12,11 +12,21 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from compare.files import load_case, load_system
-from floquet_scripts import running
-from periodic import PeriodicSystem, SystemFamily, examples
-from periodic.checks import real_number
-from plate import MovingPlate
+try:
+    from compare.files import load_case, load_system
+    from floquet_scripts import running
+    from periodic import PeriodicSystem, SystemFamily, examples
+    from periodic.checks import real_number
+    from plate import MovingPlate
+except ModuleNotFoundError as error:
+    if __name__ != "__main__":
+        raise
+    print(
+        f"certify: this python has no package {error.name}; set up .venv by make validate and take .venv/bin/python, "
+        "or install the program into this python: pip install .",
+        file=sys.stderr,
+    )
+    sys.exit(2)
 
 EXAMPLES: dict[str, Callable[..., PeriodicSystem]] = {
     "mathieu": examples.mathieu,

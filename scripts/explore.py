@@ -12,16 +12,35 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-import numpy as np
+try:
+    import numpy as np
 
-from compare.explorer import SWEEPABLE, clickable_responses, explore, plate_table, region_lines, sweep, sweep_picture
-from compare.files import STANDARD_REGIONS, Plate, load_case, staged
-from compare.study import own_system
-from compare.window import default_window
-from floquet.chart import TileStore
-from floquet_scripts import running
-from periodic import PeriodicSystem, SystemFamily
-from periodic.checks import one_of
+    from compare.explorer import (
+        SWEEPABLE,
+        clickable_responses,
+        explore,
+        plate_table,
+        region_lines,
+        sweep,
+        sweep_picture,
+    )
+    from compare.files import STANDARD_REGIONS, Plate, load_case, staged
+    from compare.study import own_system
+    from compare.window import default_window
+    from floquet.chart import TileStore
+    from floquet_scripts import running
+    from floquet_scripts.compiling import announce_compilation
+    from periodic import PeriodicSystem, SystemFamily
+    from periodic.checks import one_of
+except ModuleNotFoundError as error:
+    if __name__ != "__main__":
+        raise
+    print(
+        f"explore: this python has no package {error.name}; set up .venv by make validate and take .venv/bin/python, "
+        "or install the program into this python: pip install .",
+        file=sys.stderr,
+    )
+    sys.exit(2)
 
 EXPLORE_HELP = f"""\
 examples:
@@ -62,6 +81,7 @@ class Target:
 
 def main(arguments: list[str] | None = None) -> int:
     running.steady_output()
+    announce_compilation()
     options = _parser().parse_args(arguments)
     try:
         _check(options)

@@ -8,12 +8,23 @@ import json
 import sys
 from pathlib import Path
 
-from compare.claims import ClaimVerdict, judge_claims
-from compare.files import load_case, shipped_cases, staged
-from compare.study import CHART_POINTS, Study, Subject, own_system, run_study, system_subject, write_report
-from compare.window import MODES_SHOWN
-from floquet.chart import TileStore
-from floquet_scripts import running
+try:
+    from compare.claims import ClaimVerdict, judge_claims
+    from compare.files import load_case, shipped_cases, staged
+    from compare.study import CHART_POINTS, Study, Subject, own_system, run_study, system_subject, write_report
+    from compare.window import MODES_SHOWN
+    from floquet.chart import TileStore
+    from floquet_scripts import running
+    from floquet_scripts.compiling import announce_compilation
+except ModuleNotFoundError as error:
+    if __name__ != "__main__":
+        raise
+    print(
+        f"validate: this python has no package {error.name}; set up .venv by make validate and take .venv/bin/python, "
+        "or install the program into this python: pip install .",
+        file=sys.stderr,
+    )
+    sys.exit(2)
 
 VALIDATE_HELP = f"""\
 examples:
@@ -37,6 +48,7 @@ A claim of the paper that is contradicted, with counter-examples that integratio
 
 def main(arguments: list[str] | None = None) -> int:
     running.steady_output()
+    announce_compilation()
     options = _parser().parse_args(arguments)
     try:
         subjects = _subjects(options)

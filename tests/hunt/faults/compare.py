@@ -87,4 +87,11 @@ FAULTS = (
         "GROWTH_PART = (0.0, 1.0)",
         "compare/test_colours.py",
     ),
+    Fault(
+        "compilation announced again and again",
+        "scripts/compiling.py",
+        "if not self._said:",
+        "if True:",
+        "scripts/test_commands.py::test_compilation_is_announced_once",
+    ),
 )
