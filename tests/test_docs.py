@@ -22,7 +22,7 @@ BLOCK = re.compile(
     r"(?:\s*^```output\n(?P<output>.*?)^```\n)?",
     re.MULTILINE | re.DOTALL,
 )
-COMMAND = re.compile(r"(?:scripts/(?P<script>\w+)\.py|floquet-(?P<entry>\w+))(?P<options>[^\n`]*)")
+COMMAND = re.compile(r"(?:(?<!tests/)scripts/(?P<script>\w+)\.py|floquet-(?P<entry>\w+))(?P<options>[^\n`]*)")
 OPTIONAL = {"flint", "xarray", "bokeh", "distributed"}  # packages of extras that an example may need
 
 
