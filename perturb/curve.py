@@ -12,11 +12,11 @@ from perturb.resonance import Resonance
 
 
 class Prediction(Protocol):
-    """What a theory says about the region of one resonance, in terms of s = j (Omega - centre)."""
+    """What a theory says about the region of one resonance, in terms of x = Omega - centre."""
 
     @property
     def slope(self) -> float:
-        """d(half width in s) / d eps as eps grows."""
+        """d(half width) / d eps as eps grows."""
         ...
 
     @property
@@ -24,11 +24,30 @@ class Prediction(Protocol):
         """The eps at which the region opens; infinite where it never does."""
         ...
 
-    def edges(self, eps: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the edges in s; NaN where the region is closed."""
+    @property
+    def eps_max(self) -> float:
+        """The eps up to which the expansion is meant."""
         ...
 
-    def growth(self, s: FloatArray, eps: FloatArray) -> FloatArray:
+    @property
+    def coincident(self) -> tuple[str, ...]:
+        """Names of the resonances that resonate together with this one."""
+        ...
+
+    @property
+    def isolated_up_to(self) -> float:
+        """The eps up to which the resonance can be looked at by itself."""
+        ...
+
+    def edges(self, eps: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the edges in x; NaN where the region is closed."""
+        ...
+
+    def merged_edges(self, eps: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the edges in x of the region and of all that it has merged with."""
+        ...
+
+    def growth(self, x: FloatArray, eps: FloatArray) -> FloatArray:
         """Return the largest growth rate among the resonant modes."""
         ...
 
@@ -49,14 +68,20 @@ class TransitionCurve:
     interaction : {1, 2}
         1 where harmonic j of the excitation couples the modes directly. 2 where the excitation has no harmonic j and
         only two interactions together couple them; such a region opens like eps^2.
-    prediction : Prediction
-        The theory's description of the region.
+    first, second : Prediction
+        The region to first and to second order. None for the latter where damping has vanished (eq. (25) at c = 0).
     """
 
     resonance: Resonance
     order: int
     interaction: int
-    prediction: Prediction
+    first: Prediction
+    second: Prediction | None
+
+    @property
+    def prediction(self) -> Prediction:
+        """The region to the order of the curve."""
+        return self.second if self.order == 2 and self.second is not None else self.first
 
     @property
     def p(self) -> int:
@@ -88,14 +113,52 @@ class TransitionCurve:
         """d(half width in Omega) / d eps as eps grows, from the first-order interaction.
 
         Without damping sqrt(L) / j; 0 where L <= 0 or the interaction is of second order. Infinite where the
-        instability does not end at any detuning (`perturb.pair.pair_edges`).
+        instability does not end at any detuning (`perturb.pair.pair_edges`). Of resonances that coincide, that of the
+        part of their common region that is this one's (`edges`).
         """
-        return float(self.prediction.slope) / self.j
+        return float(self.prediction.slope)
 
     @property
     def tip(self) -> float:
         """The eps below which damping keeps the region closed: 0 without damping, infinite if it never opens."""
         return float(self.prediction.tip)
+
+    @property
+    def tips(self) -> tuple[float, float]:
+        """The tip to first and to second order.
+
+        Where they differ by much, first order is not meant for this region: what second order adds, such as two
+        interactions against a direct one, is as strong at the tip as what first order has. With ``vanishing_damping``
+        the second one is NaN.
+        """
+        return float(self.first.tip), float("nan") if self.second is None else float(self.second.tip)
+
+    @property
+    def eps_max(self) -> float:
+        """The eps up to which the expansion is meant: infinite if the excitation acts on neither mode.
+
+        There the excitation moves 30 % of the energy of mode p or q: eps times the largest sum_j |w_p^H E_j w_m| over
+        all modes m. A mode near divergence is soft, so that its eps_max is small.
+        """
+        return float(self.prediction.eps_max)
+
+    @property
+    def coincident(self) -> tuple[str, ...]:
+        """Names of the resonances that resonate together with this one; empty for most.
+
+        Their frequencies are equal, or so near that the excitation bridges the difference at some eps below `eps_max`,
+        and the excitation or the damping couples them. Theory takes them together.
+        """
+        return self.first.coincident
+
+    @property
+    def isolated_up_to(self) -> float:
+        """The eps up to which the resonance can be looked at by itself: 0 if others coincide with it.
+
+        At that eps the excitation moves the frequencies by as much as the nearest of the `coincident` resonances is
+        away. Infinite if there are none.
+        """
+        return float(self.first.isolated_up_to)
 
     @property
     def label(self) -> str:
@@ -114,8 +177,9 @@ class TransitionCurve:
         -------
         lower, upper : ndarray, shape of ``eps``
             Omega of the edges, NaN where the region is closed, infinite where the theory finds no end. Without damping
-            a sum-type region whose modes are not coupled has no width: both edges lie at the centre. Second order gives
-            regions that have merged their common edges, and NaN to one that a stronger one has absorbed.
+            a sum-type region whose modes are not coupled has no width: both edges lie at the centre. Regions that have
+            merged have their common edges. Of resonances that coincide, the strongest has the whole region, the next
+            the part in which a second solution grows as well, and so on; NaN if there is no such part.
 
         Raises
         ------
@@ -123,7 +187,28 @@ class TransitionCurve:
             If ``eps`` is not real or not finite.
         """
         low, high = self.prediction.edges(real_array("eps", eps, None))
-        return self.centre + low / self.j, self.centre + high / self.j
+        return self.centre + low, self.centre + high
+
+    def merged_edges(self, eps: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Return the edges of the whole region that this one is part of, together with all that has merged with it.
+
+        The same as `edges` unless there are `coincident` resonances. This is what integration finds.
+
+        Parameters
+        ----------
+        eps : array_like, any shape
+
+        Returns
+        -------
+        lower, upper : ndarray, shape of ``eps``
+
+        Raises
+        ------
+        ValueError
+            If ``eps`` is not real or not finite.
+        """
+        low, high = self.prediction.merged_edges(real_array("eps", eps, None))
+        return self.centre + low, self.centre + high
 
     def growth_rate(self, Omega: ArrayLike, eps: ArrayLike) -> FloatArray:
         """Return the largest growth rate among the modes in resonance, negative where both decay.
@@ -144,4 +229,4 @@ class TransitionCurve:
             If an argument is not real or not finite, or the shapes do not broadcast.
         """
         frequency, amplitude = points(Omega, eps)
-        return self.prediction.growth(self.j * (frequency - self.centre), amplitude)
+        return self.prediction.growth(frequency - self.centre, amplitude)

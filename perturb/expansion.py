@@ -1,257 +1,217 @@
-"""Perturbation theory of Floquet exponents in the modal basis: the effective matrix of a resonance.
+"""The equations of motion in the modal basis, near a frequency Omega_0: what multiple scales expands.
 
-In the complex modal basis (nu = 1..n for Z_nu, n+1..2n for the conjugates, Z^H A Z = 1, omega of a conjugate negative)
-and with q = e^{lambda t} sum_h sum_nu a_nu^h Z_nu e^{i h Omega t}, the equations of motion are
+The complex modal basis has the states nu = 1..n for Z_nu and n+1..2n for the conjugates, with Z^H A Z = 1 and the
+frequency of a conjugate negative. With q = e^{lambda t} sum_h sum_nu a_nu^h Z_nu e^{i h Omega t} the equations are
 
-    lambda a_nu^h = i (omega_nu - h Omega) a_nu^h - sum_mu Gamma_numu a_mu^h
-                    - eps sum_j (E^{(j)} a^{h-j} + E^{(-j)} a^{h+j})_nu.
+    lambda a_nu^h = i (omega_nu - h Omega) a_nu^h + sum of terms eps^m x^k V^{(l)} a^{h-l},     x = Omega - Omega_0.
 
-A state is a pair (nu, h). The states in resonance have almost equal omega_nu - h Omega and are treated exactly. All
-other states act on them through the second-order sum of quasi-degenerate perturbation theory, in Van Vleck's form,
-which is symmetric in the two resonant states:
-
-    H_ab = D_a delta_ab + V_ab + 1/2 sum_c V_ac V_cb [1 / (D_a - D_c) + 1 / (D_b - D_c)],   D = i (omega_nu - h Omega).
-
-The eigenvalues of H are the exponents lambda, with an error of third order in eps and damping. Without the sum they are
-the first-order result; for a pair of states alone that is eqs. (25) and (27).
+The terms are damping, excitation, and what changes with Omega: all of them are small, and x counts like eps. V^{(l)} for
+the excitation is - E^{(l)}, and for damping - Gamma.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.sparse.csgraph import connected_components
 
-from periodic import PeriodicSystem
+from periodic import PeriodicSystem, SystemFamily, member_at
 from periodic.checks import ComplexArray, FloatArray
 from perturb.coupling import amplitude, is_symmetric, projection
-from perturb.modes import GyroscopicModes
+from perturb.modes import GyroscopicModes, gyroscopic_modes
+from perturb.resonance import Resonance
 
-# Two states resonate together if their frequencies differ by less than this part of Omega, a fifth of the distance
-# between neighbouring harmonics of one mode. For a state that the excitation couples less than others the limit is
-# lower in proportion, so that no term of the second-order sum exceeds V^2 / (NEAR_RESONANCE Omega), V the strongest.
-NEAR_RESONANCE = 0.2
+# Step, as a part of Omega, for derivatives of matrices that depend on Omega: its square, and rounding divided by it,
+# stay far below the third-order terms left out.
+DERIVATIVE_STEP = 1e-4
 
-# To first order only states of one frequency resonate together: equal to rounding of the modes, as a part of Omega.
-EQUAL_FREQUENCY = 1e-9
+# Entries of a difference of matrices below this part of the matrices themselves are rounding.
+DIFFERENCE_ROUNDING = 1e-14
 
-# At most so many states are treated as resonant together. Chains of resonances are longer (the frequencies of a string
-# are all multiples of the first); what is cut off lies several interactions away from the pair that names the region.
-MAX_RESONANT_STATES = 8
 
-# Least divisor of a quotient that has to stay finite.
-SMALLEST_NORMAL = float(np.finfo(float).tiny)
+class Term(NamedTuple):
+    """eps^power x^drift e^{i harmonic Omega t} V; ``order`` counts eps, x and damping as one each."""
+
+    order: int
+    power: int
+    drift: int
+    harmonic: int
+    V: ComplexArray
 
 
 @dataclass(frozen=True, eq=False)
-class ModalCouplings:
-    """Gamma and E^{(±j)} for all modes and their conjugates.
+class ModalEquations:
+    """The equations of all states near one frequency.
 
     Attributes
     ----------
     omega : ndarray, shape (2n,)
-        Signed frequencies.
-    E : ndarray, shape (2J + 1, 2n, 2n), complex
-        E[J + j] is E^{(j)} for j = -J..J; the entry in the middle, j = 0, is Gamma.
+        Signed frequencies of the states.
+    terms : tuple of Term
+        With matrices of shape (2n, 2n).
+    harmonics : int
+        J, the number of harmonics of the excitation.
     conservative : bool
-        No damping and symmetric excitation matrices.
+        No damping, and symmetric excitation matrices.
     """
 
     omega: FloatArray
-    E: ComplexArray
+    terms: tuple[Term, ...]
+    harmonics: int
     conservative: bool
 
-    @property
-    def harmonics(self) -> int:
-        """J."""
-        return len(self.E) // 2
+    def states(self, resonance: Resonance) -> list[tuple[int, int]]:
+        """Return the two states (nu, h), nu from 0, that make a resonance."""
+        partner = resonance.q - 1 + (len(self.omega) // 2 if resonance.type == "sum" else 0)
+        return [(resonance.p - 1, 0), (partner, -resonance.j)]
+
+    @cached_property
+    def excitation(self) -> FloatArray:
+        """Moduli of the first-order couplings by the excitation, shape (2J + 1, 2n, 2n), harmonics -J..J."""
+        size = np.zeros((2 * self.harmonics + 1, len(self.omega), len(self.omega)))
+        for term in self.terms:
+            if term.order == term.power == 1:
+                size[self.harmonics + term.harmonic] += np.abs(term.V)
+        return size
+
+    @cached_property
+    def steady(self) -> FloatArray:
+        """Moduli of the couplings by damping, shape (2n, 2n)."""
+        return self._sizes(0, 0)
+
+    @cached_property
+    def moving(self) -> FloatArray:
+        """Moduli of the couplings per x by what changes with Omega, shape (2n, 2n)."""
+        return self._sizes(0, 1)
+
+    def _sizes(self, power: int, drift: int) -> FloatArray:
+        size = np.zeros((len(self.omega), len(self.omega)))
+        for term in self.terms:
+            if (term.order, term.power, term.drift) == (1, power, drift):
+                size += np.abs(term.V)
+        return size
 
     @cached_property
     def strongest(self) -> FloatArray:
-        """Largest modulus among all couplings of a mode by the excitation, shape (2n,)."""
-        size = np.abs(np.delete(self.E, self.harmonics, axis=0)).max(axis=0)
+        """Largest modulus among all couplings of a state by the excitation, shape (2n,)."""
+        size = self.excitation.max(axis=0)
         return np.maximum(size.max(axis=0), size.max(axis=1))
 
-
-def modal_couplings(modes: GyroscopicModes, system: PeriodicSystem) -> ModalCouplings:
-    """Return the couplings of all states of ``system`` in the basis ``modes``."""
-    J = system.harmonics
-    omega = np.concatenate([modes.frequencies, -modes.frequencies])
-    w = np.concatenate([modes.vectors, modes.vectors.conj()], axis=1) / np.sqrt(2)
-    E = np.zeros((2 * J + 1, len(omega), len(omega)), dtype=complex)
-    E[J] = omega[:, None] * projection(w, system.damping.astype(complex), w) * omega
-    symmetric = True
-    for j in range(1, J + 1):
-        E_j = amplitude(system, j)
-        upward = projection(w, E_j, w)
-        downward = upward.conj().T if is_symmetric(E_j) else projection(w, E_j.conj(), w)
-        E[J + j] = -0.5j * omega[:, None] * upward
-        E[J - j] = -0.5j * omega[:, None] * downward
-        symmetric = symmetric and is_symmetric(E_j)
-    return ModalCouplings(omega, E, conservative=symmetric and not system.damping.any())
+    @cached_property
+    def softness(self) -> FloatArray:
+        """Part of its energy that the excitation moves in a mode, per eps: largest sum_j |w_nu^H E_j w_mu|, (2n,)."""
+        size = self.excitation.sum(axis=0) / np.abs(self.omega)[:, None]
+        return 2 * size.max(axis=1)
 
 
-@dataclass(frozen=True, eq=False)
-class EffectiveMatrix:
-    """Matrix H(x, eps) of the m states in resonance, in axes that rotate with e^{i omega_p t}; x = Omega - centre.
-
-    Attributes
-    ----------
-    states : ndarray, shape (m, 2)
-        nu (from 0) and h; the first two are the pair that names the resonance.
-    detuning : ndarray, shape (m,)
-        omega_nu - h centre - omega_p.
-    powers : ndarray, shape (3, m, m), complex
-        Coefficients of 1, eps and eps^2.
-    sizes : ndarray, shape (3, m, m)
-        The same sums with every term replaced by its modulus, which rounding is measured against.
-    drift : ndarray, shape (m, m), complex
-        Coefficient of eps x, where the excitation depends on Omega.
-    same : ndarray of bool, shape (m, m)
-        Pairs of states of one repeated frequency and one harmonic. Their basis is arbitrary, so they count together.
-    conservative : bool
-    """
-
-    states: NDArray[np.intp]
-    detuning: FloatArray
-    powers: ComplexArray
-    sizes: FloatArray
-    drift: ComplexArray
-    same: NDArray[np.bool_]
-    conservative: bool
-
-    def at(self, x: FloatArray, eps: FloatArray) -> ComplexArray:
-        """Return H for arrays x and eps that broadcast, shape (..., m, m)."""
-        x, eps = np.asarray(x)[..., None, None], np.asarray(eps)[..., None, None]
-        H = self.powers[0] + eps * self.powers[1] + eps**2 * self.powers[2] + eps * x * self.drift
-        return H + 1j * (np.diag(self.detuning) - x * np.diag(self.states[:, 1]))
-
-
-def effective_matrix(
-    couplings: ModalCouplings,
-    pair: list[tuple[int, int]],
-    centre: float,
-    order: int,
-    slope: ModalCouplings | None = None,
-) -> EffectiveMatrix:
-    """Return the effective matrix of the resonance of ``pair``, its near-resonant states included.
-
-    A pair that nothing links with each other is left alone: what happens to either state is another resonance.
+class Expansion:
+    """The modal equations of a family at any frequency, computed when a resonance asks for them.
 
     Parameters
     ----------
-    couplings : ModalCouplings
-        At Omega = ``centre``.
-    pair : list of two (nu, h)
-        States with equal omega_nu - h centre.
-    centre : float
-    order : {1, 2}
-        First order keeps the interactions of the resonant states among themselves only.
-    slope : ModalCouplings, optional
-        Derivative of the couplings with respect to Omega.
+    family : SystemFamily
+    modes : GyroscopicModes, optional
+        Of a family whose mass, gyroscopic, damping and stiffness matrices are the same at all frequencies. Without
+        them, each frequency has its own modes.
     """
-    matrix = _among(couplings, resonant_states(couplings, pair, centre, order), centre, order, slope)
-    _, component = connected_components(matrix.sizes.sum(axis=0) > 0, directed=False)
-    return matrix if component[0] == component[1] else _among(couplings, pair, centre, order, slope)
+
+    def __init__(self, family: SystemFamily, modes: GyroscopicModes | None) -> None:
+        self.family = family
+        self.modes = modes
+        self._latest: tuple[PeriodicSystem, tuple[Term, ...], ModalEquations] | None = None
+
+    def modes_at(self, Omega: float) -> GyroscopicModes:
+        """Return the modes of the member at Omega."""
+        return self.modes or gyroscopic_modes(member_at(self.family, Omega, "family"))
+
+    def equations(self, centre: float, order: int) -> ModalEquations:
+        """Return the modal equations near ``centre``, with all terms of orders up to ``order``."""
+        system = member_at(self.family, centre, "family")
+        drift: tuple[Term, ...] = ()
+        modes = self.modes_at(centre)
+        if order == 2 or self.modes is None:
+            step = DERIVATIVE_STEP * centre
+            below, above = (member_at(self.family, centre + side * step, "family") for side in (-1, 1))
+            drift = () if same_matrices(below, above) else _drift(modes, below, system, above, step)
+        if self._latest is None or drift or self._latest[1] or not same_matrices(self._latest[0], system):
+            self._latest = system, drift, modal_equations(modes, system, drift)
+        return self._latest[2]
 
 
-def _among(
-    couplings: ModalCouplings,
-    states: list[tuple[int, int]],
-    centre: float,
-    order: int,
-    slope: ModalCouplings | None,
-) -> EffectiveMatrix:
-    nu, h = np.array(states).T
-    d = couplings.omega[nu] - h * centre
-    powers, sizes = np.zeros((3, len(nu), len(nu)), dtype=complex), np.zeros((3, len(nu), len(nu)))
-    direct = _interaction(couplings, nu, h, nu, h)
-    _add(powers, sizes, (h[:, None] != h).astype(int), direct, np.eye(len(nu), dtype=complex))
-    J = couplings.harmonics
-    outside = range(min(h) - J, max(h) + J + 1) if order == 2 else ()
-    for k in outside:  # all states c = (mu, k)
-        mu, harmonic = np.arange(len(couplings.omega)), np.full(len(couplings.omega), k)
-        V_ac, V_cb = _interaction(couplings, nu, h, mu, harmonic), _interaction(couplings, mu, harmonic, nu, h)
-        gap = d[:, None] - (couplings.omega - k * centre)
-        far = np.abs(gap) > [_near(couplings, (a, h_a), k, centre) for a, h_a in states]
-        far[:, nu[h == k]] = False  # resonant states
-        weight = np.divide(-0.5j, gap, out=np.zeros(gap.shape, dtype=complex), where=far)  # 1/2 / (D_a - D_c)
-        power = (h != k).astype(int)
-        _add(powers, sizes, power[:, None] + power, V_ac * weight, V_cb)
-        _add(powers, sizes, power[:, None] + power, V_ac, V_cb * weight.T)
-    drift = np.zeros_like(powers[0]) if slope is None else _interaction(slope, nu, h, nu, h) * (h[:, None] != h)
-    same = (h[:, None] == h) & (np.abs(d[:, None] - d) <= EQUAL_FREQUENCY * centre)
-    return EffectiveMatrix(np.array(states), d - d[0], powers, sizes, drift, same, couplings.conservative)
+def modal_equations(modes: GyroscopicModes, system: PeriodicSystem, drift: tuple[Term, ...] = ()) -> ModalEquations:
+    """Return the modal equations of ``system`` in the basis ``modes``, with the terms ``drift`` added."""
+    omega = np.concatenate([modes.frequencies, -modes.frequencies])
+    w = np.concatenate([modes.vectors, modes.vectors.conj()], axis=1) / np.sqrt(2)
+    terms = []
+    if system.damping.any():
+        Gamma = omega[:, None] * projection(w, system.damping.astype(complex), w) * omega
+        terms.append(Term(1, 0, 0, 0, -Gamma))
+    conservative = not system.damping.any()
+    for j in range(1, system.harmonics + 1):
+        E_j = amplitude(system, j)
+        upward = projection(w, E_j, w)
+        downward = upward.conj().T if is_symmetric(E_j) else projection(w, E_j.conj(), w)
+        terms.append(Term(1, 1, 0, j, 0.5j * omega[:, None] * upward))
+        terms.append(Term(1, 1, 0, -j, 0.5j * omega[:, None] * downward))
+        conservative = conservative and is_symmetric(E_j)
+    return ModalEquations(omega, (*terms, *drift), system.harmonics, conservative)
 
 
-def resonant_states(
-    couplings: ModalCouplings, pair: list[tuple[int, int]], centre: float, order: int
-) -> list[tuple[int, int]]:
-    """Return ``pair`` and the states that are in resonance with it and coupled to it, nearest interactions first.
-
-    To first order a state joins if its frequency is that of a member it interacts with. To second order it joins if its
-    frequency is within `NEAR_RESONANCE` of that. Where only damping or two interactions together link it to a member,
-    the limit is the square of `NEAR_RESONANCE`.
-    """
-    states = list(pair)
-    J = couplings.harmonics
-    for nu, h in states:  # the list grows while it is read
-        for k in range(h - 2 * J, h + 2 * J + 1):
-            gap = np.abs(couplings.omega - k * centre - (couplings.omega[nu] - h * centre))
-            near = _near(couplings, (nu, h), k, centre)
-            joins = (near > 0) & (gap <= EQUAL_FREQUENCY * centre) if order == 1 else gap < near
-            linked = (gap < NEAR_RESONANCE**2 * centre) & (order == 2)
-            for mu in np.flatnonzero(joins | linked).tolist():
-                if (mu, k) not in states and (joins[mu] or _linked_twice(couplings, (nu, h), (mu, k))):
-                    states.append((mu, k))
-                if len(states) == MAX_RESONANT_STATES:
-                    return states
-    return states
+def same_matrices(a: PeriodicSystem, b: PeriodicSystem) -> bool:
+    """Whether two members of a family are equal."""
+    return a is b or (same_modes(a, b) and np.array_equal(a.cosine, b.cosine) and np.array_equal(a.sine, b.sine))
 
 
-def _near(couplings: ModalCouplings, state: tuple[int, int], k: int, centre: float) -> FloatArray:
-    """Return the differences in frequency below which states (mu, k), mu = 1..2n, resonate with ``state``; 0: never."""
-    (nu, h), J, E = state, couplings.harmonics, couplings.E
-    if abs(h - k) > J:
-        return np.zeros(len(couplings.omega))
-    strength = np.maximum(np.abs(E[J + h - k, nu]), np.abs(E[J + k - h, :, nu]))
-    if h == k:
-        return NEAR_RESONANCE**2 * centre * (strength > 0)
-    return NEAR_RESONANCE * centre * strength / max(couplings.strongest[nu], SMALLEST_NORMAL)
+def same_modes(a: PeriodicSystem, b: PeriodicSystem) -> bool:
+    """Whether two members of a family are equal but for their excitation."""
+    names = ("mass", "gyroscopic", "damping", "stiffness")
+    return a is b or all(np.array_equal(getattr(a, name), getattr(b, name)) for name in names)
 
 
-def _interaction(
-    couplings: ModalCouplings,
-    to: NDArray[np.intp],
-    h_to: NDArray[np.intp],
-    of: NDArray[np.intp],
-    h_of: NDArray[np.intp],
-) -> ComplexArray:
-    """Return - Gamma or - E^{(h_to - h_of)} from the states (of, h_of) to the states (to, h_to), eps left out."""
-    J = couplings.harmonics
-    step = h_to[:, None] - h_of
-    within = np.abs(step) <= J
-    return np.where(within, -couplings.E[np.where(within, J + step, J), to[:, None], of], 0)
+def _drift(
+    modes: GyroscopicModes, below: PeriodicSystem, here: PeriodicSystem, above: PeriodicSystem, step: float
+) -> tuple[Term, ...]:
+    """Return the terms by which the equations change with x, up to second order."""
+    zero = np.zeros_like(here.mass)
+    Z = np.concatenate([modes.states, modes.states.conj()], axis=1) / np.sqrt(2)
+    A = np.block([[here.mass, zero], [zero, here.stiffness]])
+    left = Z.conj().T @ A
+
+    def term(order: int, power: int, drift: int, harmonic: int, change: ComplexArray, whole: ComplexArray) -> Term:
+        V, size = left @ change @ Z, np.abs(left @ whole @ Z).max()
+        significant = np.abs(V) > DIFFERENCE_ROUNDING * size
+        return Term(order, power, drift, harmonic, np.asarray(np.where(significant, V, 0) / step**drift, dtype=complex))
+
+    terms = []
+    if not same_modes(below, above):
+        free = [_free_motion(system) for system in (below, here, above)]
+        damping = [_damping(system) for system in (below, here, above)]
+        terms += [
+            term(1, 0, 1, 0, 0.5 * (free[2] - free[0]), free[1]),
+            term(2, 0, 2, 0, 0.5 * (free[2] + free[0]) - free[1], free[1]),
+            term(2, 0, 1, 0, 0.5 * (damping[2] - damping[0]), damping[1]),
+        ]
+    for j in range(1, here.harmonics + 1):
+        force, change = _force(here, j), 0.5 * (_force(above, j) - _force(below, j))
+        terms += [term(2, 1, 1, j, change, force), term(2, 1, 1, -j, change.conj(), force.conj())]
+    return tuple(term for term in terms if term.V.any())
 
 
-def _linked_twice(couplings: ModalCouplings, a: tuple[int, int], b: tuple[int, int]) -> bool:
-    """Whether states a and b interact through a third one."""
-    (nu, h), (mu, k) = a, b
-    J, E = couplings.harmonics, couplings.E
-    return any(
-        ((E[J + h - c, nu] != 0) & (E[J + c - k, :, mu] != 0)).any()
-        or ((E[J + k - c, mu] != 0) & (E[J + c - h, :, nu] != 0)).any()
-        for c in range(max(h, k) - J, min(h, k) + J + 1)
-    )
+def _free_motion(system: PeriodicSystem) -> ComplexArray:
+    """Return the matrix of q' = ... without damping and excitation, q = (W', W)."""
+    n, zero = system.size, np.zeros_like(system.mass)
+    pushes = np.linalg.solve(system.mass, np.concatenate([system.gyroscopic, system.stiffness], axis=1))
+    return np.block([[-pushes[:, :n], -pushes[:, n:]], [np.eye(n), zero]]).astype(complex)
 
 
-def _add(
-    powers: ComplexArray, sizes: FloatArray, power: NDArray[np.intp], left: ComplexArray, right: ComplexArray
-) -> None:
-    """Add left @ right to the coefficients of eps^power, element by element, and its terms' moduli to sizes."""
-    for k in range(3):
-        powers[k] += np.where(power == k, left @ right, 0)
-        sizes[k] += np.where(power == k, np.abs(left) @ np.abs(right), 0)
+def _damping(system: PeriodicSystem) -> ComplexArray:
+    zero = np.zeros_like(system.mass)
+    return np.block([[-np.linalg.solve(system.mass, system.damping), zero], [zero, zero]]).astype(complex)
+
+
+def _force(system: PeriodicSystem, j: int) -> ComplexArray:
+    """Return the part of the equations for q = (W', W) that goes with e^{i j Omega t}, per eps."""
+    zero = np.zeros_like(system.mass)
+    return np.block([[zero, -0.5 * np.linalg.solve(system.mass, amplitude(system, j))], [zero, zero]])

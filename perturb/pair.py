@@ -11,10 +11,48 @@ function here takes arrays that broadcast together. L is real for symmetric exci
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from periodic.checks import FloatArray
+
+
+class Detuning(NamedTuple):
+    """The detuning s = j Omega - (omega_p ± omega_q) as a function of x = Omega - centre: s = rate x + bend x^2.
+
+    Where the modes do not depend on Omega, rate is j and bend is 0.
+    """
+
+    rate: float
+    bend: float
+
+    def __call__(self, x: FloatArray) -> FloatArray:
+        """Return s at x."""
+        return self.rate * x + self.bend * x**2 if self.bend else self.rate * x
+
+    def between(self, low: FloatArray, high: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the interval of x around the resonance in which low < s < high.
+
+        Where s turns round before it reaches one of the two, the interval goes on to where it comes back to the other.
+        """
+        if self.rate < 0:
+            lower, upper = Detuning(-self.rate, self.bend).between(low, high)
+            return -upper, -lower
+        if not self.bend:
+            return low / self.rate, high / self.rate
+        with np.errstate(invalid="ignore", divide="ignore"):
+            root_low, root_high = (np.sqrt(self.rate**2 + 4 * self.bend * s) for s in (low, high))
+            lower, upper = (
+                np.where(np.isinf(s) | (s == 0), s, 2 * s / (self.rate + root))
+                for s, root in ((low, root_low), (high, root_high))
+            )
+            beyond_low, beyond_high = (-(self.rate + root) / (2 * self.bend) for root in (root_high, root_low))
+        return (
+            np.where(np.isnan(root_low) & np.isfinite(low), beyond_low, lower),
+            np.where(np.isnan(root_high) & np.isfinite(high), beyond_high, upper),
+        )
 
 
 def pair_growth(C_p: ArrayLike, C_q: ArrayLike, L: ArrayLike, s: ArrayLike) -> FloatArray:

@@ -57,6 +57,17 @@ class Resonances(NamedTuple):
     type: NDArray[np.str_]
     centre: FloatArray
 
+    @classmethod
+    def of(cls, resonances: Sequence[Resonance]) -> Resonances:
+        """Return the arrays of a list of resonances."""
+        p, q, j = (np.array([row[i] for row in resonances], dtype=np.intp) for i in range(3))
+        types = np.array([row.type for row in resonances], dtype=np.str_)
+        return cls(p, q, j, types, np.array([row.centre for row in resonances], dtype=float))
+
+    def at(self, places: NDArray[np.intp]) -> Resonances:
+        """Return some of the resonances."""
+        return Resonances(self.p[places], self.q[places], self.j[places], self.type[places], self.centre[places])
+
     def rows(self) -> Iterator[Resonance]:
         """Return one resonance after the other."""
         return (Resonance(*row) for row in zip(*(column.tolist() for column in self), strict=True))

@@ -1,28 +1,24 @@
-"""The theory of a resonance by its effective matrix: second order in eps, and first order for repeated frequencies.
+"""The theory of a resonance by its effective matrix: second order, and first order where several resonate together.
 
 Second order adds frequency shift, curvature and the regions of j = j1 + j2. Its edges and growth rates have errors of
-third order in eps and damping. The theory is in `perturb.expansion`.
+third order in eps and damping. The theory is in `perturb.effective_matrix`.
 """
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import ComplexArray, FloatArray
 from perturb.curve import Prediction
-from perturb.expansion import EffectiveMatrix, ModalCouplings, effective_matrix, modal_couplings
-from perturb.intervals import unstable_intervals
-from perturb.modes import GyroscopicModes
+from perturb.effective_matrix import EffectiveMatrix, effective_matrix, expansion_range
+from perturb.expansion import Expansion
+from perturb.intervals import Pair, Search
 from perturb.pair import pair_edges, pair_growth
 from perturb.resonance import Resonance
-
-# Step, as a part of Omega, for the derivative of an excitation that depends on Omega: its square, and rounding divided
-# by it, stay far below the third-order terms left out.
-DERIVATIVE_STEP = 1e-4
 
 # A sum whose terms cancel to this part of their moduli is zero.
 CANCELLED_PART = 1e-10
@@ -32,49 +28,18 @@ CANCELLED_PART = 1e-10
 TIP_OCTAVES = 6
 TIP_BISECTIONS = 33
 
-# At so many times its tip a damped region has the width of its asymptotes, to half the square of the inverse.
-ASYMPTOTIC_TIPS = 1e4
+# At so many times its tip, or the eps at which it merges with others, a region has the width of its asymptotes, to half
+# the square of the inverse.
+ASYMPTOTIC_RATIO = 1e4
+
+# Resonances are looked upon as one from the start if they merge below this part of the range of the expansion.
+MERGING_PART = 0.1
 
 # To see whether a region of an undamped system opens, the excitation moves its exponents by this part of Omega.
 PROBE_RATE = 1e-3
 
-# Where the excitation depends on Omega, every repetition of the solution for an edge gains one order in eps.
+# Where the equations depend on Omega, every repetition of the solution for an edge gains one order in eps.
 DRIFT_REPETITIONS = 3
-
-
-class Expansion:
-    """The modal couplings of a family, computed when a resonance asks for them."""
-
-    def __init__(self, family: SystemFamily, modes: GyroscopicModes) -> None:
-        self.family = family
-        self.modes = modes
-        self._latest: tuple[PeriodicSystem, ModalCouplings] | None = None
-
-    def effective_matrix(self, resonance: Resonance, order: int) -> EffectiveMatrix:
-        """Return the effective matrix of a resonance and of all that resonates with it."""
-        centre = resonance.centre
-        partner = resonance.q - 1 + (len(self.modes.frequencies) if resonance.type == "sum" else 0)
-        pair = [(resonance.p - 1, 0), (partner, -resonance.j)]
-        couplings = self._couplings(self.family.at(centre))
-        if order == 1:
-            return effective_matrix(couplings, pair, centre, order)
-        step = DERIVATIVE_STEP * centre
-        around = [self.family.at(centre + side * step) for side in (-1, 1)]
-        slope = None
-        if not same_excitation(*around):
-            below, above = (modal_couplings(self.modes, system) for system in around)
-            slope = ModalCouplings(above.omega, (above.E - below.E) / (2 * step), above.conservative)
-        return effective_matrix(couplings, pair, centre, order, slope)
-
-    def _couplings(self, system: PeriodicSystem) -> ModalCouplings:
-        if self._latest is None or self._latest[0] is not system:
-            self._latest = system, modal_couplings(self.modes, system)
-        return self._latest[1]
-
-
-def same_excitation(a: PeriodicSystem, b: PeriodicSystem) -> bool:
-    """Whether two members of a family have equal excitation matrices."""
-    return a is b or (np.array_equal(a.cosine, b.cosine) and np.array_equal(a.sine, b.sine))
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,39 +51,82 @@ class ResonantStates:
     expansion : Expansion
     resonance : Resonance
     order : {1, 2}
+    multiples : collection of int
+        The j of all resonances that have a name of their own.
     first : Prediction
-        The less complete theory: for order 2 that of first order, for order 1 that of the pair alone.
+        The less complete theory: for order 2 that of first order, for order 1 that of the resonance by itself.
     """
 
     expansion: Expansion
     resonance: Resonance
     order: int
+    multiples: Collection[int]
     first: Prediction
 
     @cached_property
     def matrix(self) -> EffectiveMatrix:
         """The effective matrix of the resonant states."""
-        return self.expansion.effective_matrix(self.resonance, self.order)
+        equations = self.expansion.equations(self.resonance.centre, self.order)
+        return effective_matrix(equations, self.resonance, self.order)
+
+    @cached_property
+    def eps_max(self) -> float:
+        equations = self.expansion.equations(self.resonance.centre, 1)
+        return float(expansion_range(equations, self.resonance.p, self.resonance.q))
+
+    @cached_property
+    def resonances(self) -> dict[Resonance, Pair]:
+        """All resonances that the states make, this one first, and the states that make them."""
+        found = {self.resonance: Pair(0, 1, self.resonance.p, self.resonance.q)}
+        names = {self.resonance[:4]}
+        for a in range(len(self.matrix.states)):
+            for b in range(len(self.matrix.states)):
+                other = self._resonance_of(a, b)
+                if other is not None and other[:4] not in names:
+                    names.add(other[:4])
+                    found[other] = Pair(a, b, other.p, other.q)
+        return found
+
+    @cached_property
+    def slope(self) -> float:
+        if self.order == 2 or not self._is_merged:
+            return self.first.slope
+        if np.isinf(self.tip):
+            return 0.0
+        start = max(self.tip, self.isolated_up_to)
+        eps = np.array(ASYMPTOTIC_RATIO * start if start > 0 else 1.0)
+        low, high = self.edges(eps)
+        return 0.0 if np.isnan(low) else float((high - low) / (2 * eps))
 
     @property
-    def slope(self) -> float:
-        if self.order == 2 or len(self.matrix.states) == 2 or np.isinf(self.tip):
-            return self.first.slope
-        eps = np.array(ASYMPTOTIC_TIPS * self.tip if self.tip > 0 else 1.0)
-        low, high = self.edges(eps)
-        return float((high - low) / (2 * eps))
+    def coincident(self) -> tuple[str, ...]:
+        return tuple(resonance.label for resonance in self.resonances if resonance != self.resonance)
+
+    @cached_property
+    def isolated_up_to(self) -> float:
+        if len(self.matrix.states) == 2:
+            return np.inf
+        apart = np.abs(self.matrix.detuning[2:])
+        damping, excitation = (self._links(monomial) for monomial in ((0, 0), (1, 0)))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            alone = np.where(excitation > 0, apart / (2 * excitation), np.inf)
+        return float(np.where(damping > 0, 0.0, alone).min())
 
     @cached_property
     def tip(self) -> float:
-        C_p, C_q = self.expansion.modes.decay[[self.resonance.p - 1, self.resonance.q - 1]]
-        once, twice = (float(np.abs(self.matrix.powers[k]).max()) for k in (1, 2))
+        if self.order == 1 and len(self.matrix.states) == 2:
+            return self.first.tip
+        p, q = self.resonance.p - 1, self.resonance.q - 1
+        C_p, C_q = self.expansion.modes_at(self.resonance.centre).decay[[p, q]]
+        once, twice = (self._largest(power) for power in (1, 2))
         if once == twice == 0:
             return np.inf
         # at this eps the excitation moves the exponents by as much as damping, or by little against the frequencies
         rate = 0.5 * float(max(C_p, C_q)) if C_p * C_q > 0 else PROBE_RATE * self.resonance.centre
         eps = 2 * rate / (once + np.sqrt(once**2 + 4 * rate * twice))
         if C_p * C_q == 0:
-            return 0.0 if self._is_open(eps) else np.inf
+            probes = eps, 0.01 * min(eps, self.isolated_up_to)
+            return 0.0 if any(self._is_open(probe) for probe in probes if probe > 0) else np.inf
         ladder = eps * 2.0 ** np.arange(-TIP_OCTAVES, TIP_OCTAVES + 1)
         opened = next((value for value in ladder.tolist() if self._is_open(value)), np.inf)
         closed = 0.5 * opened
@@ -128,52 +136,101 @@ class ResonantStates:
         return opened
 
     def edges(self, eps: FloatArray) -> tuple[FloatArray, FloatArray]:
+        return self._edges(eps, whole=False)
+
+    def merged_edges(self, eps: FloatArray) -> tuple[FloatArray, FloatArray]:
+        return self._edges(eps, whole=True)
+
+    def _edges(self, eps: FloatArray, whole: bool) -> tuple[FloatArray, FloatArray]:
+        if len(self.matrix.states) > 2 and (whole or not self._never_open):
+            lower, upper = self._search(eps.ravel()).intervals(whole)
+            return lower.reshape(eps.shape), upper.reshape(eps.shape)
         if self._never_open:
             return np.full(eps.shape, np.nan), np.full(eps.shape, np.nan)
-        if len(self.matrix.states) > 2:
-            lower, upper = unstable_intervals(self.matrix, eps.ravel())
-            return self.resonance.j * lower.reshape(eps.shape), self.resonance.j * upper.reshape(eps.shape)
+        if self.order == 1:
+            return self.first.edges(eps)
         low, high = np.zeros(eps.shape), np.zeros(eps.shape)
-        for _ in range(DRIFT_REPETITIONS if self.matrix.drift.any() else 1):
+        drifts = any(drift for _, drift in self.matrix.coefficients)
+        for _ in range(DRIFT_REPETITIONS if drifts else 1):
             low, high = self._edges_at(low, eps)[0], self._edges_at(high, eps)[1]
         return low, high
 
-    def growth(self, s: FloatArray, eps: FloatArray) -> FloatArray:
+    def growth(self, x: FloatArray, eps: FloatArray) -> FloatArray:
         if len(self.matrix.states) > 2:
-            return np.linalg.eigvals(self.matrix.at(s / self.resonance.j, eps)).real.max(axis=-1)
-        C_p, C_q, L, shift = self._pair(s, eps)
-        return pair_growth(C_p, C_q, L, s - shift)
+            return np.linalg.eigvals(self.matrix.at(x, eps)).real.max(axis=-1)
+        if self.order == 1:
+            return self.first.growth(x, eps)
+        C_p, C_q, L, shift = self._alone(x, eps)
+        return pair_growth(C_p, C_q, L, self.matrix.detuning_of_pair(x) - shift)
 
-    def _edges_at(self, s: FloatArray, eps: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the edges for the excitation as it is at the detunings ``s``."""
-        C_p, C_q, L, shift = self._pair(np.where(np.isfinite(s), s, 0), eps)
+    def _edges_at(self, x: FloatArray, eps: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the edges for the equations as they are at ``x``."""
+        C_p, C_q, L, shift = self._alone(np.where(np.isfinite(x), x, 0), eps)
         low, high = pair_edges(C_p, C_q, L)
         uncoupled = (L == 0) & (self.resonance.type == "difference")
-        return np.where(uncoupled, np.nan, low + shift), np.where(uncoupled, np.nan, high + shift)
+        low, high = np.where(uncoupled, np.nan, low + shift), np.where(uncoupled, np.nan, high + shift)
+        return self.matrix.detuning_of_pair.between(low, high)
+
+    @property
+    def _is_merged(self) -> bool:
+        """Whether other resonances have to be looked upon as one with this."""
+        return self.isolated_up_to < MERGING_PART * self.eps_max
 
     @property
     def _never_open(self) -> bool:
         """Modes of equal energy sign cannot destabilise each other in a conservative system."""
         return self.resonance.type == "difference" and self.matrix.conservative
 
+    def _search(self, eps: FloatArray) -> Search:
+        own, *others = self.resonances.items()
+        opening = [pair for resonance, pair in others if resonance.type == "sum" or not self.matrix.conservative]
+        return Search(self.matrix, [own[1], *opening], eps)
+
     def _is_open(self, eps: float) -> bool:
         if self._never_open:
             return False
         if len(self.matrix.states) > 2:
-            return not np.isnan(unstable_intervals(self.matrix, np.array([eps]))[0][0])
-        C_p, C_q, L, _ = self._pair(np.array(0.0), np.array(eps))
+            return not np.isnan(self._search(np.array([eps])).intervals(whole=False)[0][0])
+        C_p, C_q, L, _ = self._alone(np.array(0.0), np.array(eps))
         return bool(np.abs(L) + L.real > 2 * C_p * C_q)
 
-    def _pair(self, s: FloatArray, eps: FloatArray) -> tuple[FloatArray, FloatArray, ComplexArray, FloatArray]:
-        """Return C_p, C_q, L and the shift of the centre in s that the 2 x 2 matrix amounts to."""
+    def _links(self, monomial: tuple[int, int]) -> FloatArray:
+        """Return how strongly each further state is coupled to the first two, shape (m - 2,)."""
+        V = np.abs(self.matrix.coefficients.get(monomial, np.zeros(2 * (len(self.matrix.states),))))
+        return np.asarray(np.maximum(V[:2, 2:], V[2:, :2].T).max(axis=0))
+
+    def _largest(self, power: int) -> float:
+        """Return the largest coefficient of a power of eps."""
+        return float(np.abs(self.matrix.coefficients.get((power, 0), np.zeros(1))).max())
+
+    def _alone(self, x: FloatArray, eps: FloatArray) -> tuple[FloatArray, FloatArray, ComplexArray, FloatArray]:
+        """Return C_p, C_q, L and the shift of the detuning that a 2 x 2 matrix amounts to."""
         matrix = self.matrix
-        H = matrix.at(np.zeros_like(s), eps) + (eps * s / self.resonance.j)[..., None, None] * matrix.drift
-        amplitude = np.abs(eps)[..., None, None]
-        size = matrix.sizes[0] + amplitude * matrix.sizes[1] + amplitude**2 * matrix.sizes[2]
+        x, eps = np.broadcast_arrays(x, eps)
+        H, size = np.zeros((*x.shape, 2, 2), dtype=complex), np.zeros((*x.shape, 2, 2))
+        for (power, drift), coefficient in matrix.coefficients.items():
+            factor = (eps**power * x**drift)[..., None, None]
+            # what moves the frequencies alone is part of the detuning
+            H += factor * (coefficient.real if power == 0 and drift > 0 else coefficient)
+            size += np.abs(factor) * matrix.sizes[power, drift]
         decay = -2 * np.diagonal(H, axis1=-2, axis2=-1).real
         decay = np.where(np.abs(decay) <= CANCELLED_PART * np.diagonal(size, axis1=-2, axis2=-1), 0, decay)
         L = 4 * H[..., 0, 1] * H[..., 1, 0]
         is_real = np.abs(L.imag) <= 4 * CANCELLED_PART * size[..., 0, 1] * size[..., 1, 0]
         if matrix.conservative:
             decay, is_real = np.zeros_like(decay), True
-        return decay[..., 0], decay[..., 1], np.where(is_real, L.real, L), (H[..., 0, 0] - H[..., 1, 1]).imag
+        shift = (H[..., 0, 0] - H[..., 1, 1]).imag
+        return decay[..., 0], decay[..., 1], np.where(is_real, L.real, L), shift
+
+    def _resonance_of(self, a: int, b: int) -> Resonance | None:
+        """Return the resonance that states a and b make, if it is one of those that have a name."""
+        n = self.matrix.modes
+        (nu_a, h_a), (nu_b, h_b) = self.matrix.states[[a, b]].tolist()
+        j, (p, q) = h_a - h_b, (nu_a % n + 1, nu_b % n + 1)
+        type = "sum" if (nu_a < n) != (nu_b < n) else "difference"
+        higher_first = p >= q if nu_a < n else p < q
+        if j not in self.multiples or (type == "difference" and (p == q or not higher_first)):
+            return None
+        detuning, rate = self.matrix.detuning[[a, b]], self.matrix.rate[[a, b]]
+        centre = self.resonance.centre - float((detuning[0] - detuning[1]) / (rate[0] - rate[1]))
+        return Resonance(max(p, q), min(p, q), j, type, centre)

@@ -11,12 +11,16 @@ from numpy.typing import ArrayLike, NDArray
 from periodic import PeriodicSystem, SystemFamily, member_at
 from periodic.checks import ComplexArray, FloatArray, interval, one_of, real_array, whole_number
 from periodic.system import SYMMETRY_TOLERANCE
+from perturb.campbell import campbell_resonances
 from perturb.coupling import amplitude, products
 from perturb.curve import Prediction, TransitionCurve
+from perturb.effective_matrix import alone, expansion_range, in_company
+from perturb.expansion import Expansion, modal_equations, same_matrices, same_modes
 from perturb.modes import GyroscopicModes, gyroscopic_modes
-from perturb.resonance import TYPES, Resonances, find_resonances
+from perturb.pair import Detuning
+from perturb.resonance import TYPES, Resonance, Resonances, find_resonances
 from perturb.resonant_pair import ResonantPair
-from perturb.resonant_states import Expansion, ResonantStates, same_excitation
+from perturb.resonant_states import ResonantStates
 
 
 def transition_curves(
@@ -75,44 +79,83 @@ def transition_curves(
     order = whole_number("order", order, least=1, most=2)
     types = _checked_types(types)
     system = member_at(family, high, "family")
-    modes = gyroscopic_modes(system)
-    if (modes.decay < 0).any():
-        n = int(np.argmin(modes.decay))
-        raise ValueError(
-            f"damping makes mode {n + 1} grow (decay coefficient {modes.decay[n]:.3g}); the perturbation theory needs "
-            "damping that takes energy from every mode (floquet/ takes any)"
-        )
-    proportion = _proportion(vanishing_damping, modes, order)
+    fixed = same_modes(system, member_at(family, 0.5 * (low + high), "family"))
+    expansion = Expansion(family, gyroscopic_modes(system) if fixed else None)
     direct = {j for j in range(1, system.harmonics + 1) if amplitude(system, j).any()}
     multiples = set(range(1, system.harmonics + 1))
     if order == 2:
         multiples |= {a + b for a in direct for b in direct}
-    found = find_resonances(modes, sorted(multiples), (low, high), types)
-    L = _products_at_centres(family, modes, found)
-    expansion, repeated = Expansion(family, modes), modes.repeated.tolist()
+    window = (low, high)
+    if expansion.modes is None:
+        found = Resonances.of(campbell_resonances(family, sorted(multiples), window, types))
+    else:
+        found = find_resonances(expansion.modes, sorted(multiples), window, types)
+    vanishing = _proportion(vanishing_damping, expansion, order)
+    by_themselves, accompanied = _first_order(expansion, found, vanishing)
     curves = []
-    for resonance, value in zip(found.rows(), L, strict=True):
-        p, q = resonance.p - 1, resonance.q - 1
-        vanishing = None if proportion is None else (proportion[p], proportion[q])
-        prediction: Prediction = ResonantPair(resonance.type, value, modes.decay[p], modes.decay[q], vanishing)
-        if (repeated[p] or repeated[q]) and vanishing is None:
-            prediction = ResonantStates(expansion, resonance, 1, prediction)
-        if order == 2:
-            prediction = ResonantStates(expansion, resonance, 2, prediction)
+    for resonance, alone_theory, together in zip(found.rows(), by_themselves, accompanied, strict=True):
+        first: Prediction = alone_theory
+        if together and vanishing is None:
+            first = ResonantStates(expansion, resonance, 1, multiples, alone_theory)
+        second = None if vanishing is not None else ResonantStates(expansion, resonance, 2, multiples, first)
         interaction = 1 if order == 1 or resonance.j in direct else 2
-        curves.append(TransitionCurve(resonance, order, interaction, prediction))
+        curves.append(TransitionCurve(resonance, order, interaction, first, second))
     return curves
 
 
-def _products_at_centres(family: SystemFamily, modes: GyroscopicModes, found: Resonances) -> ComplexArray:
-    """Return L of every resonance, from the excitation at its centre; 0 where the excitation has no such harmonic."""
+def _first_order(
+    expansion: Expansion, found: Resonances, vanishing: FloatArray | None
+) -> tuple[list[ResonantPair], list[bool]]:
+    """Return the theory of each resonance by itself, and whether others resonate with it."""
+    if expansion.modes is None:
+        rows = list(found.rows())
+        return [_moving_pair(expansion, resonance) for resonance in rows], [True] * len(rows)
+    _check_decay(expansion.modes)
+    L, company = np.zeros(len(found.p), dtype=complex), np.zeros(len(found.p), dtype=bool)
+    eps_max = np.zeros(len(found.p))
+    for run, system in _shared_systems(expansion.family, found.centre):
+        shared = found.at(run)
+        L[run] = _products(expansion.modes, system, shared)
+        equations = modal_equations(expansion.modes, system)
+        eps_max[run] = expansion_range(equations, shared.p, shared.q)
+        company[run] = in_company(equations, shared)
+    decay = expansion.modes.decay
+    alone = [
+        ResonantPair(
+            resonance.type,
+            value,
+            decay[resonance.p - 1],
+            decay[resonance.q - 1],
+            Detuning(resonance.j, 0.0),
+            float(most),
+            None if vanishing is None else (vanishing[resonance.p - 1], vanishing[resonance.q - 1]),
+        )
+        for resonance, value, most in zip(found.rows(), L, eps_max, strict=True)
+    ]
+    return alone, company.tolist()
+
+
+def _moving_pair(expansion: Expansion, resonance: Resonance) -> ResonantPair:
+    """Return the theory of one resonance by itself where the modes depend on Omega."""
+    modes = expansion.modes_at(resonance.centre)
+    _check_decay(modes)
+    one = Resonances.of([resonance])
+    (L,) = _products(modes, member_at(expansion.family, resonance.centre, "family"), one)
+    p, q = resonance.p - 1, resonance.q - 1
+    equations = expansion.equations(resonance.centre, 2)
+    detuning = alone(equations, resonance, 2).detuning_of_pair
+    eps_max = float(expansion_range(equations, one.p, one.q)[0])
+    return ResonantPair(resonance.type, L, modes.decay[p], modes.decay[q], detuning, eps_max)
+
+
+def _products(modes: GyroscopicModes, system: PeriodicSystem, found: Resonances) -> ComplexArray:
+    """Return L of resonances that share one system; 0 where its excitation has no such harmonic."""
     L = np.zeros(len(found.p), dtype=complex)
-    for run, system in _shared_systems(family, found.centre):
-        for j in range(1, system.harmonics + 1):
-            for type in TYPES:
-                chosen = run[(found.j[run] == j) & (found.type[run] == type)]
-                if len(chosen):
-                    L[chosen] = products(modes, amplitude(system, j), type)[found.p[chosen] - 1, found.q[chosen] - 1]
+    for j in range(1, system.harmonics + 1):
+        for type in TYPES:
+            chosen = np.flatnonzero((found.j == j) & (found.type == type))
+            if len(chosen):
+                L[chosen] = products(modes, amplitude(system, j), type)[found.p[chosen] - 1, found.q[chosen] - 1]
     return L
 
 
@@ -121,12 +164,21 @@ def _shared_systems(family: SystemFamily, centres: FloatArray) -> Iterator[tuple
     start, shared = 0, None
     for k, centre in enumerate(centres.tolist()):
         system = member_at(family, centre, "family")
-        if shared is not None and not same_excitation(system, shared):
+        if shared is not None and not same_matrices(system, shared):
             yield np.arange(start, k), shared
             start, shared = k, system
         shared = shared or system
     if shared is not None:
         yield np.arange(start, len(centres)), shared
+
+
+def _check_decay(modes: GyroscopicModes) -> None:
+    if (modes.decay < 0).any():
+        n = int(np.argmin(modes.decay))
+        raise ValueError(
+            f"damping makes mode {n + 1} grow (decay coefficient {modes.decay[n]:.3g}); the perturbation theory needs "
+            "damping that takes energy from every mode (floquet/ takes any)"
+        )
 
 
 def _checked_types(types: Any) -> tuple[str, ...]:
@@ -138,11 +190,14 @@ def _checked_types(types: Any) -> tuple[str, ...]:
     return names
 
 
-def _proportion(D: ArrayLike | None, modes: GyroscopicModes, order: int) -> FloatArray | None:
+def _proportion(D: ArrayLike | None, expansion: Expansion, order: int) -> FloatArray | None:
     """Return the decay coefficients of the vanishing damping."""
     if D is None:
         return None
     matrix = real_array("vanishing_damping", D, 2)
+    modes = expansion.modes
+    if modes is None:
+        raise ValueError("vanishing_damping is for families whose modes do not depend on Omega; leave it out")
     n = len(modes.frequencies)
     if matrix.shape != (n, n):
         raise ValueError(f"vanishing_damping has shape {matrix.shape}; give ({n}, {n}), as the mass matrix has")

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from scipy.integrate import solve_ivp
 
-from periodic import PeriodicSystem
+from periodic import PeriodicSystem, SystemFamily
 from periodic.checks import FloatArray
 
 Real = float | FloatArray  # one number
@@ -113,3 +114,22 @@ def hill_edges(
 def fitted_order(eps: np.ndarray, gap: np.ndarray) -> float:
     """Slope of log gap over log eps."""
     return float(np.polyfit(np.log(eps), np.log(gap), 1)[0])
+
+
+def integrated_growth(family: SystemFamily, Omega: float, eps: float) -> float:
+    """Largest growth rate from the Floquet multipliers of the equations integrated over one period by DOP853."""
+    system, period = family.at(Omega), 2 * np.pi / Omega
+    n, inverse = system.size, np.linalg.inv(system.mass)
+
+    def rate(time: float, state: FloatArray) -> FloatArray:
+        W, velocity = state.reshape(2, n, 2 * n)
+        K = system.stiffness.copy()
+        for j, (F_c, F_s) in enumerate(zip(system.cosine, system.sine, strict=True), start=1):
+            K += eps * (np.cos(j * Omega * time) * F_c + np.sin(j * Omega * time) * F_s)
+        push = -inverse @ (K @ W + (system.gyroscopic + system.damping) @ velocity)
+        return np.concatenate([velocity.ravel(), push.ravel()])
+
+    start = np.eye(2 * n).ravel()
+    solution = solve_ivp(rate, (0.0, period), start, method="DOP853", rtol=1e-12, atol=1e-12)
+    multipliers = np.linalg.eigvals(solution.y[:, -1].reshape(2 * n, 2 * n))
+    return float(np.log(np.abs(multipliers).max()) / period)

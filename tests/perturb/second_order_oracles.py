@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from perturb import TransitionCurve, transition_curves
-from perturb.expansion import EffectiveMatrix
+from perturb.effective_matrix import EffectiveMatrix
 from perturb.resonant_states import ResonantStates
 from tests.perturb.perturb_oracles import hill_edges
 

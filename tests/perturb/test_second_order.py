@@ -13,7 +13,8 @@ from floquet import trace_boundary
 from periodic import PeriodicSystem
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu, meissner
 from perturb import gyroscopic_modes, transition_curves
-from perturb.expansion import effective_matrix, modal_couplings
+from perturb.effective_matrix import alone
+from perturb.expansion import modal_equations
 from plate import MovingPlate
 from tests.perturb.perturb_oracles import (
     changed,
@@ -167,14 +168,12 @@ def test_exponents_of_the_effective_matrix_are_of_third_order(seed: int, symmetr
     system = random_system(seed, 2, harmonics=2, symmetric=symmetric)
     modes = gyroscopic_modes(system)
     for found in transition_curves(system, EVERYTHING, order=2):
-        partner = found.q - 1 + (2 if found.type == "sum" else 0)
-        pair = [(found.p - 1, 0), (partner, -found.j)]
         if len(matrix_of(found).states) > 2:
             continue
         worst = []
         for value in eps:
             damped = changed(system, damping=damping * value * random_system(seed, 2, damping=1.0).damping)
-            matrix = effective_matrix(modal_couplings(modes, damped), pair, found.centre, order=2)
+            matrix = alone(modal_equations(modes, damped), found.resonance, order=2)
             x = 0.2 * value
             ours = np.linalg.eigvals(matrix.at(np.array(x), np.array(value))) + 1j * modes.frequencies[found.p - 1]
             exact = hill_exponents(damped, found.centre + x, value, cut=12)
