@@ -25,8 +25,9 @@ class SystemFamily(Protocol):
     1. return a `PeriodicSystem` from ``at(Omega)`` for every finite Omega >= 0, the same one, to the last bit, whenever
        it is asked for the same frequency;
     2. keep the number of coordinates and of harmonics, and what each coordinate means, at all frequencies;
-    3. keep mass, gyroscopic, damping and stiffness matrices at all frequencies: only ``cosine`` and ``sine`` may depend
-       on Omega, smoothly but at isolated resonances of the excitation. The modes are those of all members;
+    3. let its matrices depend on Omega smoothly if at all, but for ``cosine`` and ``sine`` at isolated resonances of
+       the excitation. Theory (`perturb`) follows modes that depend on Omega, as those of a rotor do; integration takes
+       the modes of the member at the frequency asked for;
     4. keep subsystems apart at all frequencies if it keeps them apart at one (a symmetric load stays symmetric);
     5. be immutable, and pickle: workers in threads, processes and on other machines call ``at`` at the same time;
     6. raise ValueError, with argument, value and remedy, where its parameters make no system: when it is made, not when

@@ -22,11 +22,12 @@ instability starts, from which eps on it is open, and its edges and growth rates
 How the modules work together:
 
 - `modes` gives the frequencies omega_n, the vectors w_n and the decay of the modes;
-- `resonance` lists the resonances of a frequency range;
+- `resonance` lists the resonances of a frequency range, `campbell` those of modes that depend on Omega;
 - `coupling` says how strongly the excitation couples two modes, and `pair` solves the two amplitude equations in closed
   form; `resonant_pair` puts them together as the first-order theory of one resonance;
-- `expansion` reduces the equations to the few states that resonate together, to first or second order in eps,
-  `intervals` finds where these states are unstable, and `resonant_states` makes the theory of a resonance of it;
+- `expansion` writes the equations in the modal basis, `effective_matrix` reduces them to the few states that resonate
+  together, to first or second order in eps, `intervals` finds where these states are unstable, and `resonant_states`
+  makes the theory of a resonance of it;
 - `transition` chooses between the two, and `curve` is what it returns.
 """
 

@@ -5,8 +5,8 @@ frequency of a conjugate negative. With q = e^{lambda t} sum_h sum_nu a_nu^h Z_n
 
     lambda a_nu^h = i (omega_nu - h Omega) a_nu^h + sum of terms eps^m x^k V^{(l)} a^{h-l},     x = Omega - Omega_0.
 
-The terms are damping, excitation, and what changes with Omega: all of them are small, and x counts like eps. V^{(l)} for
-the excitation is - E^{(l)}, and for damping - Gamma.
+The terms are damping, excitation, and what changes with Omega: all of them are small, and x counts like eps. V^{(l)}
+for the excitation is - E^{(l)}, and for damping - Gamma.
 """
 
 from __future__ import annotations

@@ -33,16 +33,20 @@ def transition_curves(
 ) -> list[TransitionCurve]:
     """Return the transition curves of all resonances with centre in ``Omega_range``.
 
-    First order treats every pair of modes (p, q) and harmonic j on its own, as eqs. (24)-(28) do, with the excitation
-    taken at the centre of the region. Only modes of one repeated frequency act together. Second order
-    (`perturb.resonant_states`) adds frequency shift and curvature, the regions of j = j1 + j2, and the interaction of
-    resonances that lie close together or coincide.
+    First order treats a resonance by itself, as eqs. (24)-(28) do, with the excitation taken at the centre of the
+    region. Resonances that coincide, or nearly, and are coupled are taken together (`TransitionCurve.coincident`).
+    Second order adds frequency shift and curvature, and the regions of j = j1 + j2 (`perturb.effective_matrix`).
+
+    If the modes depend on Omega, as those of a rotor do, the centre solves j Omega = omega_p(Omega) ± omega_q(Omega),
+    and the width is divided by d(j Omega - omega_p ∓ omega_q) / d Omega. A resonance with several solutions has a curve
+    for each. Where the two sides touch, the region is as wide as the square root of eps and the slope is infinite.
+    Where they come near each other without meeting there is no curve, although a larger eps may open a region there.
 
     Parameters
     ----------
     family : SystemFamily
-        A `PeriodicSystem`, or anything with ``at(Omega)``. The stiffness must be symmetric positive definite and the
-        damping must not feed energy into a mode.
+        A `PeriodicSystem`, or anything with ``at(Omega)``; all matrices may depend on Omega. The stiffness must be
+        symmetric positive definite and the damping must not feed energy into a mode.
     Omega_range : (low, high)
         Excitation frequencies, 0 <= low < high.
     order : {1, 2}
@@ -58,13 +62,14 @@ def transition_curves(
     -------
     list of TransitionCurve
         By increasing centre. A region that is closed for every eps, such as those of difference type for symmetric
-        excitation matrices, is in the list with slope 0 and tip infinite.
+        excitation matrices, is in the list with slope 0 and tip infinite. So is one whose modes act in other resonances
+        of the same frequency only.
 
     Raises
     ------
     ValueError
-        If an argument has the wrong type, value or shape; if the stiffness is not symmetric positive definite; if the
-        damping makes a mode grow.
+        If an argument has the wrong type, value or shape; if the stiffness is not symmetric positive definite, or not
+        throughout the range; if the damping makes a mode grow; if frequencies change too fast with Omega.
 
     Notes
     -----
