@@ -26,9 +26,22 @@ MIN_SIGNATURE = 1e-6
 
 
 class Spectrum(NamedTuple):
-    """Multipliers by decreasing modulus, the log of the largest modulus, its estimated error, and the verdict."""
+    """What is known of the multipliers of one subsystem.
+
+    Attributes
+    ----------
+    multipliers : ndarray of complex, shape (N,)
+        By decreasing modulus.
+    errors : ndarray, shape (N,)
+        Their estimated errors, relative to their moduli.
+    log_modulus, error : float
+        Logarithm of the largest modulus, and its estimated error.
+    kind : Kind
+        The verdict.
+    """
 
     multipliers: ComplexArray
+    errors: FloatArray
     log_modulus: float
     error: float
     kind: Kind
@@ -66,19 +79,10 @@ def spectrum(
     pseudospectrum: it is the largest distance along the ray through mu at which some error of norm E can put a
     multiplier (L. N. Trefethen and M. Embree, Spectra and Pseudospectra, 2005, chapter 2).
     """
-    mu, left, right = eigensystem(Phi)
-    norm = float(np.linalg.norm(Phi))
-    E = error + QR_ROUNDINGS * np.finfo(float).eps * norm
-    with np.errstate(divide="ignore"):
-        kappa = 1 / np.abs(np.einsum("ij,ij->j", left.conj(), right))  # both sets are normalised
-    first_order = np.minimum(kappa * E, 2 * norm + E)
-    distance = np.abs(mu[:, None] - mu) + np.diag(np.full(len(mu), np.inf))
-    crowded = first_order > ISOLATED_SHIFT * distance.min(axis=1)
+    found = perturbed_eigenvalues(Phi, error)
+    mu, E, first_order, distance, crowded = found
     modulus = np.abs(mu)
-    shift = first_order.copy()
-    for i in np.flatnonzero(crowded & (modulus + first_order > modulus.max()) & (mu.imag >= 0)):
-        shift[i] = _excursion(Phi, mu[i], E, first_order[i])
-        shift[mu == mu[i].conj()] = shift[i]
+    shift = found.shifts(Phi, np.flatnonzero(modulus + first_order > modulus.max()))
     top = int(modulus.argmax())
     log_modulus = float(np.log(modulus[top]))
     upper = np.log1p((modulus + shift - modulus[top]).max() / modulus[top])
@@ -102,7 +106,54 @@ def spectrum(
             log_modulus = 0.0
     else:
         kind = Kind.STABLE if log_modulus < -log_error else Kind.UNDECIDED
-    return Spectrum(by_modulus(mu), log_modulus, log_error, kind)
+    with np.errstate(divide="ignore"):
+        errors = shift / modulus
+    order = by_modulus(mu)
+    return Spectrum(mu[order], errors[order], log_modulus, log_error, kind)
+
+
+class PerturbedEigenvalues(NamedTuple):
+    """Eigenvalues of a matrix known up to an error, and how well they are known.
+
+    Attributes
+    ----------
+    mu : ndarray of complex, shape (N,)
+    error : float
+        Spectral norm of the error of the matrix, that of the QR algorithm included.
+    first_order : ndarray, shape (N,)
+        Shift of each eigenvalue by the error, to first order.
+    distance : ndarray, shape (N, N)
+        Distances between eigenvalues, infinite on the diagonal.
+    crowded : ndarray of bool, shape (N,)
+        Whether an eigenvalue is so close to another that first order does not do.
+    """
+
+    mu: ComplexArray
+    error: float
+    first_order: FloatArray
+    distance: FloatArray
+    crowded: NDArray[np.bool_]
+
+    def shifts(self, matrix: FloatArray, where: NDArray[np.intp]) -> FloatArray:
+        """Return the shift of each eigenvalue (N,); of crowded ones from the pseudospectrum, but only ``where``."""
+        shift = self.first_order.copy()
+        for i in where[self.crowded[where] & (self.mu[where].imag >= 0)]:
+            shift[i] = _excursion(matrix, self.mu[i], self.error, self.first_order[i])
+            shift[self.mu == self.mu[i].conj()] = shift[i]
+        return shift
+
+
+def perturbed_eigenvalues(matrix: FloatArray, error: float) -> PerturbedEigenvalues:
+    """Return the eigenvalues of a matrix (N, N) whose error has the spectral norm ``error``."""
+    mu, left, right = eigensystem(matrix)
+    norm = float(np.linalg.norm(matrix))
+    E = error + QR_ROUNDINGS * np.finfo(float).eps * norm
+    with np.errstate(divide="ignore"):
+        kappa = 1 / np.abs(np.einsum("ij,ij->j", left.conj(), right))  # both sets are normalised
+    first_order = np.minimum(kappa * E, 2 * norm + E)
+    distance = np.abs(mu[:, None] - mu) + np.diag(np.full(len(mu), np.inf))
+    crowded = first_order > ISOLATED_SHIFT * distance.min(axis=1)
+    return PerturbedEigenvalues(mu, E, first_order, distance, crowded)
 
 
 def eigensystem(Phi: FloatArray) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
@@ -124,13 +175,15 @@ def combine(spectra: Sequence[Spectrum]) -> Spectrum:
     unstable = [s for s in spectra if s.kind > Kind.STABLE]
     # without an unstable subsystem, one undecided subsystem leaves the whole undecided
     kind = max(unstable, key=lambda s: s.log_modulus).kind if unstable else min(s.kind for s in spectra)
-    mu = by_modulus(np.concatenate([s.multipliers for s in spectra]))
-    return Spectrum(mu, value, max(upper - value, value - lower), kind)
+    mu = np.concatenate([s.multipliers for s in spectra])
+    errors = np.concatenate([s.errors for s in spectra])
+    order = by_modulus(mu)
+    return Spectrum(mu[order], errors[order], value, max(upper - value, value - lower), kind)
 
 
-def by_modulus(mu: ComplexArray) -> ComplexArray:
-    """Return ``mu`` by decreasing modulus, equal moduli by increasing angle."""
-    return mu[np.lexsort((np.angle(mu), -np.abs(mu)))]
+def by_modulus(mu: ComplexArray) -> NDArray[np.intp]:
+    """Return the order of decreasing modulus, of equal moduli that of increasing angle."""
+    return np.lexsort((np.angle(mu), -np.abs(mu)))
 
 
 def _kind(mu: complex, shift: float) -> Kind:

@@ -63,14 +63,14 @@ def period_map(subsystem: Subsystem, Omega: float, eps: float, tolerance: float)
         If the solution overflows or the integration would take too long; the message names ``Omega`` and ``eps``.
     """
     m = len(subsystem.equations.w)
-    probes, share = _probes(m)
+    start, share = probe_solutions(m)
     # norms of the two halves of from_q: how much of a disturbance of q each half of y receives
     receives = np.linalg.norm(np.stack(np.split(subsystem.from_q, 2)), 2, axis=(1, 2))
     steps = steps_of_period(subsystem, Omega)
     best = PeriodMap(np.eye(2 * m), np.inf, np.inf)
     for _ in range(MAX_STEP_HALVINGS + 1):
         period = _integrate_period(subsystem, Omega, eps, steps, tolerance)
-        defect = period.matrix @ probes - propagate(subsystem, Omega, eps, 2 * steps, FINEST_SERIES_TOLERANCE, probes)
+        defect = period.matrix @ start - propagate(subsystem, Omega, eps, 2 * steps, FINEST_SERIES_TOLERANCE, start)
         halves = np.stack(np.split(defect, 2, axis=1)) / np.sqrt(share)
         reducible = float(np.linalg.norm(halves)) + _at_the_end(period, period.rounding)
         # shorter steps do not help against rounding of the coefficients and what the reduction dropped
@@ -116,10 +116,10 @@ def _integrate_period(subsystem: Subsystem, Omega: float, eps: float, steps: int
     ends = np.unique(np.linspace(0, steps, SEGMENTS_PER_PERIOD + 1).astype(int)).tolist()
     values, rounding, maps = [unit], [], []
     for segment in pairwise(ends):
-        found, error = _integrate(subsystem, Omega, eps, steps, tolerance, values[-1], *segment)
+        found, error = integrate_steps(subsystem, Omega, eps, steps, tolerance, values[-1], *segment)
         rounding.append(error / np.linalg.norm(values[-1]))
         values.append(found)
-        maps.append(_integrate(subsystem, Omega, eps, steps, SEGMENT_TOLERANCE, unit, *segment)[0])
+        maps.append(integrate_steps(subsystem, Omega, eps, steps, SEGMENT_TOLERANCE, unit, *segment)[0])
     after = list(accumulate(maps[::-1], np.matmul, initial=unit))
     if not np.abs(after).max() <= MAX_SOLUTION:
         raise _overflow(Omega, eps)
@@ -161,7 +161,7 @@ def steps_of_period(subsystem: Subsystem, Omega: float) -> int:
     return int(steps)
 
 
-def _probes(m: int) -> tuple[FloatArray, int]:
+def probe_solutions(m: int) -> tuple[FloatArray, int]:
     """Return initial values (2m, columns), half of them in y1 and half in y2, and the number of columns in each half.
 
     The squared norm of a matrix times a normally distributed vector is on average the matrix's squared Frobenius norm.
@@ -178,10 +178,10 @@ def propagate(
     subsystem: Subsystem, Omega: float, eps: float, steps: int, tolerance: float, start: FloatArray
 ) -> FloatArray:
     """Return the values after one period of the solutions that begin with the columns of ``start`` (2m, columns)."""
-    return _integrate(subsystem, Omega, eps, steps, tolerance, start, 0, steps)[0]
+    return integrate_steps(subsystem, Omega, eps, steps, tolerance, start, 0, steps)[0]
 
 
-def _integrate(
+def integrate_steps(
     subsystem: Subsystem,
     Omega: float,
     eps: float,

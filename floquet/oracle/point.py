@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import lru_cache
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
 from floquet.kind import Kind
-from floquet.oracle.multipliers import Spectrum, combine, spectrum
+from floquet.oracle.factors import accurate_multipliers
+from floquet.oracle.multipliers import Spectrum, by_modulus, combine, spectrum
 from floquet.oracle.period import MATRIX_TOLERANCE, period_map, propagate, steps_of_period
 from floquet.oracle.reduction import Subsystem, reduce_system
 from periodic import PeriodicSystem, SystemFamily, member_at
@@ -16,8 +18,19 @@ from periodic.checks import ComplexArray, FloatArray, real_number
 
 # Smallest and largest relative error of the matrix that may be asked for.
 MIN_MATRIX_TOLERANCE, MAX_MATRIX_TOLERANCE = 1e-15, 1e-3
+# Relative error of a multiplier above which the period is integrated once more, in parts.
+MULTIPLIER_TOLERANCE = 1e-8
 # A quick look takes the error of the matrix, relative to its norm, to be this many times what the series aim at.
 QUICK_ERROR_FACTOR = 10
+
+
+class _Solved(NamedTuple):
+    """One subsystem at one point and what is known of its multipliers."""
+
+    subsystem: Subsystem
+    Omega: float
+    eps: float
+    spectrum: Spectrum
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,9 +41,6 @@ class Monodromy:
     ----------
     matrix : ndarray, shape (2n, 2n)
         Phi(T), T = 2 pi / Omega, in the coordinates q = (W', W) of eq. (13).
-    multipliers : ndarray of complex, shape (2n,)
-        Eigenvalues of ``matrix`` by decreasing modulus. Those of a stable conservative or reversible system are on the
-        unit circle.
     growth_rate : float
         max log|mu| / T, per unit of time; 0 for a stable conservative system.
     error : float
@@ -43,11 +53,40 @@ class Monodromy:
     """
 
     matrix: FloatArray
-    multipliers: ComplexArray
     growth_rate: float
     error: float
     log_modulus_error: float
     kind: Kind
+    _solved: tuple[_Solved, ...] = field(repr=False)
+
+    @property
+    def multipliers(self) -> ComplexArray:
+        """The 2n multipliers by decreasing modulus, small ones as right as large ones (complex ndarray).
+
+        Those of a stable conservative or reversible system are on the unit circle. One that is too small for float64
+        is 0. If the eigenvalues of ``matrix`` are not accurate enough, the period is integrated once more, in parts,
+        when multipliers or their errors are first asked for.
+        """
+        return self._multipliers[0]
+
+    @property
+    def multiplier_errors(self) -> FloatArray:
+        """Estimated errors of ``multipliers`` relative to their moduli, shape (2n,).
+
+        They are below 1e-8, unless multipliers are so close to each other that an error of the motion makes them meet,
+        or growth and decay within the period exceed what float64 can hold.
+        """
+        return self._multipliers[1]
+
+    @cached_property
+    def _multipliers(self) -> tuple[ComplexArray, FloatArray]:
+        found = [_multipliers(solved) for solved in self._solved]
+        mu, errors = (np.concatenate(arrays) for arrays in zip(*found, strict=True))
+        order = by_modulus(mu)
+        result = mu[order], errors[order]
+        for array in result:
+            array.setflags(write=False)
+        return result
 
 
 def monodromy(system: SystemFamily, Omega: float, eps: float, *, tolerance: float = MATRIX_TOLERANCE) -> Monodromy:
@@ -93,18 +132,17 @@ def monodromy(system: SystemFamily, Omega: float, eps: float, *, tolerance: floa
     member = member_at(system, Omega)
     subsystems = reduce_system(member, eps, Omega / (2 * np.pi))
     maps = [period_map(subsystem, Omega, eps, tolerance) for subsystem in subsystems]
-    joint = combine(
-        [_spectrum(subsystem, found.matrix, found.error) for subsystem, found in zip(subsystems, maps, strict=True)]
-    )
+    spectra = [_spectrum(subsystem, one.matrix, one.error) for subsystem, one in zip(subsystems, maps, strict=True)]
+    joint = combine(spectra)
     matrix = np.sum(
         [subsystem.to_q @ found.matrix @ subsystem.from_q for subsystem, found in zip(subsystems, maps, strict=True)],
         axis=0,
     )
     error = np.linalg.norm([found.error_in_q for found in maps]) / max(1.0, float(np.linalg.norm(matrix, 2)))
-    for array in (matrix, joint.multipliers):
-        array.setflags(write=False)
+    matrix.setflags(write=False)
     growth_rate = joint.log_modulus * Omega / (2 * np.pi)
-    return Monodromy(matrix, joint.multipliers, growth_rate, float(error), joint.error, joint.kind)
+    solved = tuple(_Solved(subsystem, Omega, eps, one) for subsystem, one in zip(subsystems, spectra, strict=True))
+    return Monodromy(matrix, growth_rate, float(error), joint.error, joint.kind, solved)
 
 
 def is_unstable(family: SystemFamily, Omega: float, eps: float, modes: int = 0) -> bool:
@@ -126,6 +164,18 @@ def is_unstable(family: SystemFamily, Omega: float, eps: float, modes: int = 0) 
 
 def _spectrum(subsystem: Subsystem, Phi: FloatArray, error: float) -> Spectrum:
     return spectrum(Phi, error, reciprocal=subsystem.reciprocal, bounded=subsystem.bounded, form=subsystem.form)
+
+
+def _multipliers(solved: _Solved) -> tuple[ComplexArray, FloatArray]:
+    """Return the multipliers of one subsystem and their relative errors; from parts of the period if that is better."""
+    subsystem, Omega, eps, known = solved
+    if known.errors.max() <= MULTIPLIER_TOLERANCE:
+        return known.multipliers, known.errors
+    found = accurate_multipliers(subsystem, Omega, eps, MULTIPLIER_TOLERANCE)
+    if found.errors.max() > known.errors.max():
+        return known.multipliers, known.errors
+    on_circle = subsystem.reciprocal and known.kind == Kind.STABLE
+    return found.values / np.abs(found.values) if on_circle else found.values, found.errors
 
 
 @lru_cache(maxsize=16)
