@@ -11,7 +11,7 @@ import scipy.linalg as sla
 from numpy.typing import NDArray
 
 from floquet.kind import Kind
-from floquet.oracle import ASSEMBLY_ROUNDING, constant_matrix, reduce_system
+from floquet.oracle import COUPLING_ROUNDING, constant_matrix, reduce_system
 from periodic import PeriodicSystem
 from periodic.checks import ComplexArray, is_positive_definite
 
@@ -117,7 +117,8 @@ def natural_modes(system: PeriodicSystem, Omega: float) -> Modes:
     They are those of the subsystems into which the excited system splits: of two modes with equal frequency in
     different subsystems no mixture is formed.
     """
-    exponents, vectors, home = [], [], []
+    # a system of rigid motions alone has no subsystems, and no modes
+    exponents, vectors, home = [np.zeros(0, complex)], [np.zeros((2 * system.size, 0), complex)], []
     for number, subsystem in enumerate(reduce_system(system, 1.0, Omega / (2 * np.pi))):
         values, columns = sla.eig(constant_matrix(subsystem.equations))
         oscillating = values.imag > MIN_RELATIVE_FREQUENCY * np.abs(values).max()
@@ -162,7 +163,7 @@ def open_types(system: PeriodicSystem) -> tuple[str, ...]:
     """
     parts = np.concatenate([system.stiffness[None], system.cosine, system.sine])
     asymmetry = np.abs(parts - parts.transpose(0, 2, 1)).max(axis=(1, 2))
-    symmetric = bool((asymmetry <= ASSEMBLY_ROUNDING * np.abs(parts).max(axis=(1, 2))).all())
+    symmetric = bool((asymmetry <= COUPLING_ROUNDING * np.abs(parts).max(axis=(1, 2))).all())
     definite = symmetric and is_positive_definite((system.stiffness + system.stiffness.T) / 2)
     return ("sum",) if definite else ("sum", "difference")
 

@@ -2,9 +2,11 @@
 
 The room works in four steps, each in its own module:
 
-1. `reduction` splits a system at one amplitude into subsystems and writes each in energy coordinates;
+1. `reduction` splits a system at one amplitude into subsystems and writes each in energy coordinates; `rigid` sets
+   rigid motions apart;
 2. `taylor` and `period` integrate a subsystem over one period by Taylor series, and estimate the error;
-3. `multipliers` turns the matrix and its error into multipliers and a verdict;
+3. `multipliers` turns the matrix and its error into multipliers and a verdict; where small multipliers are below its
+   rounding, `factors` and `products` find them from parts of the period;
 4. `point` joins the subsystems: `monodromy` for all that is known, `is_unstable` for a quick yes or no.
 
 >>> from floquet.oracle import monodromy
@@ -29,10 +31,17 @@ True
 from floquet.oracle.multipliers import eigensystem
 from floquet.oracle.period import PeriodMap, period_map, propagate, steps_of_period
 from floquet.oracle.point import Monodromy, is_unstable, monodromy
-from floquet.oracle.reduction import ASSEMBLY_ROUNDING, Subsystem, constant_matrix, modulation, reduce_system
+from floquet.oracle.reduction import (
+    COUPLING_ROUNDING,
+    Subsystem,
+    constant_matrix,
+    modulation,
+    reduce_system,
+    rigid_basis,
+)
 
 __all__ = [
-    "ASSEMBLY_ROUNDING",
+    "COUPLING_ROUNDING",
     "Monodromy",
     "PeriodMap",
     "Subsystem",
@@ -44,5 +53,6 @@ __all__ = [
     "period_map",
     "propagate",
     "reduce_system",
+    "rigid_basis",
     "steps_of_period",
 ]

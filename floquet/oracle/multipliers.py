@@ -168,7 +168,12 @@ def eigensystem(Phi: FloatArray) -> tuple[ComplexArray, ComplexArray, ComplexArr
 
 
 def combine(spectra: Sequence[Spectrum]) -> Spectrum:
-    """Return the spectrum of a system made of decoupled subsystems from those of the subsystems."""
+    """Return the spectrum of a system made of decoupled subsystems from those of the subsystems.
+
+    Without any it is stable: there is nothing that could grow.
+    """
+    if not spectra:
+        return Spectrum(np.zeros(0, complex), np.zeros(0), 0.0, 0.0, Kind.STABLE)
     value = max(s.log_modulus for s in spectra)
     upper = max(s.log_modulus + s.error for s in spectra)
     lower = max(s.log_modulus - s.error for s in spectra)

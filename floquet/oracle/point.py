@@ -12,7 +12,7 @@ from floquet.kind import Kind
 from floquet.oracle.factors import accurate_multipliers
 from floquet.oracle.multipliers import Spectrum, by_modulus, combine, spectrum
 from floquet.oracle.period import MATRIX_TOLERANCE, period_map, propagate, steps_of_period
-from floquet.oracle.reduction import Subsystem, reduce_system
+from floquet.oracle.reduction import Subsystem, reduce_system, rigid_basis
 from periodic import PeriodicSystem, SystemFamily, member_at
 from periodic.checks import ComplexArray, FloatArray, real_number
 
@@ -42,14 +42,19 @@ class Monodromy:
     matrix : ndarray, shape (2n, 2n)
         Phi(T), T = 2 pi / Omega, in the coordinates q = (W', W) of eq. (13).
     growth_rate : float
-        max log|mu| / T, per unit of time; 0 for a stable conservative system.
+        max log|mu| / T without rigid motions, per unit of time; 0 for a stable conservative system.
     error : float
         Estimated spectral norm of the error of ``matrix``, divided by max(1, norm of ``matrix``).
     log_modulus_error : float
         Estimated error of max log|mu| = growth_rate T; near a double multiplier it is of the order of the square root
         of ``error``.
     kind : Kind
-        Stable, unstable through a multiplier near +1, near -1 or a complex pair, or undecided.
+        Stable, unstable through a multiplier near +1, near -1 or a complex pair, or undecided. Rigid motions are not
+        judged.
+    rigid : int
+        Number of rigid motions: no stiffness, damping or gyroscopic matrix acts on them and the excitation never
+        touches them, as on the common rotation of a drivetrain with free ends. Such a motion drifts linearly for ever,
+        with a double multiplier 1. That is no instability of the excitation, so the verdict is about all other motions.
     """
 
     matrix: FloatArray
@@ -57,15 +62,16 @@ class Monodromy:
     error: float
     log_modulus_error: float
     kind: Kind
+    rigid: int
     _solved: tuple[_Solved, ...] = field(repr=False)
 
     @property
     def multipliers(self) -> ComplexArray:
         """The 2n multipliers by decreasing modulus, small ones as right as large ones (complex ndarray).
 
-        Those of a stable conservative or reversible system are on the unit circle. One that is too small for float64
-        is 0. If the eigenvalues of ``matrix`` are not accurate enough, the period is integrated once more, in parts,
-        when multipliers or their errors are first asked for.
+        Those of a stable conservative or reversible system are on the unit circle. Each rigid motion has 1 twice. A
+        multiplier too small for float64 is 0. If the eigenvalues of ``matrix`` are not accurate enough, the period is
+        integrated once more, in parts, when multipliers or their errors are first asked for.
         """
         return self._multipliers[0]
 
@@ -80,7 +86,8 @@ class Monodromy:
 
     @cached_property
     def _multipliers(self) -> tuple[ComplexArray, FloatArray]:
-        found = [_multipliers(solved) for solved in self._solved]
+        found = [(np.ones(2 * self.rigid, complex), np.zeros(2 * self.rigid))]
+        found += [_multipliers(solved) for solved in self._solved]
         mu, errors = (np.concatenate(arrays) for arrays in zip(*found, strict=True))
         order = by_modulus(mu)
         result = mu[order], errors[order]
@@ -132,17 +139,18 @@ def monodromy(system: SystemFamily, Omega: float, eps: float, *, tolerance: floa
     member = member_at(system, Omega)
     subsystems = reduce_system(member, eps, Omega / (2 * np.pi))
     maps = [period_map(subsystem, Omega, eps, tolerance) for subsystem in subsystems]
+    rigid = rigid_basis(member, eps)
     spectra = [_spectrum(subsystem, one.matrix, one.error) for subsystem, one in zip(subsystems, maps, strict=True)]
     joint = combine(spectra)
-    matrix = np.sum(
-        [subsystem.to_q @ found.matrix @ subsystem.from_q for subsystem, found in zip(subsystems, maps, strict=True)],
-        axis=0,
-    )
+    still = rigid @ rigid.T @ member.mass
+    matrix = np.block([[still, np.zeros_like(still)], [2 * np.pi / Omega * still, still]])
+    for subsystem, found in zip(subsystems, maps, strict=True):
+        matrix += subsystem.to_q @ found.matrix @ subsystem.from_q
     error = np.linalg.norm([found.error_in_q for found in maps]) / max(1.0, float(np.linalg.norm(matrix, 2)))
     matrix.setflags(write=False)
     growth_rate = joint.log_modulus * Omega / (2 * np.pi)
     solved = tuple(_Solved(subsystem, Omega, eps, one) for subsystem, one in zip(subsystems, spectra, strict=True))
-    return Monodromy(matrix, growth_rate, float(error), joint.error, joint.kind, solved)
+    return Monodromy(matrix, growth_rate, float(error), joint.error, joint.kind, rigid.shape[1], solved)
 
 
 def is_unstable(family: SystemFamily, Omega: float, eps: float, modes: int = 0) -> bool:

@@ -9,13 +9,14 @@ import scipy.linalg as sla
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
+from floquet.oracle.rigid import rigid_motions
 from floquet.oracle.taylor import MAX_SOLUTION, Equations
 from periodic import PeriodicSystem
 from periodic.checks import FloatArray
 
 # Couplings and asymmetries below this part of the largest entry of their matrix are rounding errors of its assembly.
 # They are dropped, and charged to the error estimate.
-ASSEMBLY_ROUNDING = 1e-14
+COUPLING_ROUNDING = 1e-14
 # A hidden symmetry is used if the couplings that it leaves are below this part of the rate of motion, in energy
 # coordinates. Dropping them then costs little more than rounding does anyway.
 MAX_SPLIT_COUPLING = 1e-14
@@ -57,6 +58,8 @@ class Subsystem(NamedTuple):
 def reduce_system(system: PeriodicSystem, eps: float, slowest: float) -> list[Subsystem]:
     """Split ``system`` at amplitude ``eps`` into subsystems and write each in energy coordinates.
 
+    Rigid motions (`rigid_basis`) are left out: nothing acts on them, and they act on nothing.
+
     The modes are those of the symmetric part of the stiffness, mass-normalised: W = modes @ (y1 / w), W' = modes @ y2.
     The scales w are the square roots of the moduli of the eigenvalues. A conservative motion is then nearly a rotation
     of (y1, y2), and the monodromy matrix as well-conditioned as can be.
@@ -73,14 +76,14 @@ def reduce_system(system: PeriodicSystem, eps: float, slowest: float) -> list[Su
     Returns
     -------
     list of Subsystem
+        Empty if all motions are rigid.
 
     Raises
     ------
     ValueError
         If numbers are so large that their products would overflow.
     """
-    constant = np.array([system.mass, system.gyroscopic, system.damping, system.stiffness])
-    matrices = np.concatenate([constant, eps * system.cosine, eps * system.sine])
+    matrices = _matrices(system, eps)
     scale = 1 / np.sqrt(np.diag(system.mass))
     with np.errstate(over="ignore", invalid="ignore"):
         to_unit_mass = scale[:, None] * matrices * scale
@@ -89,13 +92,21 @@ def reduce_system(system: PeriodicSystem, eps: float, slowest: float) -> list[Su
             f"mass, stiffness or excitation at eps = {eps!r}: per unit of mass, an entry exceeds {MAX_SOLUTION:.0e}; "
             "change the units or give a smaller eps"
         )
-    separate = _columns(np.eye(system.size), _components(to_unit_mass))
+    uncoupled = _columns(np.eye(system.size), _components(to_unit_mass))
+    separate = [basis for basis in (_without_rigid_motions(matrices, one) for one in uncoupled) if basis.size]
+    if not separate:
+        return []
     symmetric = [part for basis in separate for part in _symmetry_parts(matrices, basis)]
     if len(symmetric) > len(separate):
         subsystems = _reduce_all(matrices, symmetric, slowest)
         if subsystems[0].neglected <= MAX_SPLIT_COUPLING * min(subsystem.rate for subsystem in subsystems):
             return subsystems
     return _reduce_all(matrices, separate, slowest)
+
+
+def rigid_basis(system: PeriodicSystem, eps: float) -> FloatArray:
+    """Return the rigid motions of ``system`` at amplitude ``eps``: R (n, r) with R^T M R = I."""
+    return rigid_motions(_matrices(system, eps))
 
 
 def constant_matrix(equations: Equations) -> FloatArray:
@@ -112,6 +123,23 @@ def modulation(equations: Equations) -> float:
     return float(sizes @ np.hypot(equations.alpha, equations.beta)[:, 1:].sum(axis=1))
 
 
+def _matrices(system: PeriodicSystem, eps: float) -> FloatArray:
+    """Return M, G, C, K, eps F_c1 ... eps F_cJ, eps F_s1 ... eps F_sJ, shape (4 + 2 J, n, n)."""
+    constant = np.array([system.mass, system.gyroscopic, system.damping, system.stiffness])
+    return np.concatenate([constant, eps * system.cosine, eps * system.sine])
+
+
+def _without_rigid_motions(matrices: FloatArray, basis: FloatArray) -> FloatArray:
+    """Return a basis (n, m - r) of the motions in the space of ``basis`` (n, m) that share no mass with rigid ones."""
+    inside = basis.T @ matrices @ basis
+    rigid = rigid_motions(inside)
+    if not rigid.size:
+        return basis
+    scale = 1 / np.sqrt(np.diag(inside[0]))
+    _, _, directions = np.linalg.svd((scale[:, None] * inside[0] @ rigid).T)
+    return np.asarray(basis @ (scale[:, None] * directions[rigid.shape[1] :].T))
+
+
 def _parts(equations: Equations) -> tuple[FloatArray, FloatArray]:
     """Return B (R, m, m) and D (m, m)."""
     m, functions = len(equations.w), len(equations.alpha)
@@ -122,7 +150,7 @@ def _parts(equations: Equations) -> tuple[FloatArray, FloatArray]:
 def _components(matrices: FloatArray) -> NDArray[np.intp]:
     """Number the sets of coordinates that none of ``matrices`` (p, n, n) couples; return the set of each coordinate."""
     sizes = np.abs(matrices)
-    coupled = (sizes > ASSEMBLY_ROUNDING * sizes.max(axis=(1, 2), keepdims=True)).any(axis=0)
+    coupled = (sizes > COUPLING_ROUNDING * sizes.max(axis=(1, 2), keepdims=True)).any(axis=0)
     _, label = connected_components(coupled, directed=False)
     return np.asarray(label, dtype=np.intp)
 
@@ -170,7 +198,7 @@ def _reduce(matrices: FloatArray, basis: FloatArray, slowest: float) -> Subsyste
     M, G, C, *_ = parts = basis.T @ matrices @ basis
     forces = parts[3:]  # K, eps F_c1 ... eps F_sJ
     skew = (forces - forces.transpose(0, 2, 1)) / 2
-    symmetric = bool((np.abs(skew).max(axis=(1, 2)) <= ASSEMBLY_ROUNDING * np.abs(forces).max(axis=(1, 2))).all())
+    symmetric = bool((np.abs(skew).max(axis=(1, 2)) <= COUPLING_ROUNDING * np.abs(forces).max(axis=(1, 2))).all())
     K = forces[0] - skew[0]
     _, modes = sla.eigh(K, M)
     # Rayleigh quotients: eigh gives every eigenvalue to rounding of the largest; for a graded stiffness, as of a Ritz
