@@ -15,7 +15,7 @@ from floquet.engine.eigen import UNIT_ROUNDOFF
 from floquet.engine.krein import held_apart
 from floquet.engine.multipliers import dominant, select, spectra
 from floquet.engine.stability import SMALLEST_NORMAL, DominantMultiplier, Stability, combine, judge
-from floquet.engine.steps import ORDER, fastest, log2_steps, step_errors, tested_amplitudes
+from floquet.engine.steps import ORDER, fastest, log2_steps, measured_amplitudes, step_errors
 from floquet.kind import Kind
 from floquet.running import single_blas_thread
 from periodic import PeriodicSystem
@@ -23,10 +23,11 @@ from periodic.checks import ComplexArray, FloatArray
 
 # Relative distance of the frequencies of columns that share a measurement of the error.
 MEASUREMENT_REACH = 0.1
-# The error is measured at two amplitudes, with all multipliers; elsewhere it may be larger by up to this factor.
+# The error is measured at a few amplitudes, with all multipliers; between them it may be larger by up to this factor.
 ERROR_SAFETY = 4.0
-# An error measured at an amplitude that contributes less than this part of the largest is divided by this part instead.
-MIN_UNIT_PART = 1 / 4
+# Measured errors are divided by what they are expected to go with, but at least by this part of its largest value in
+# the cells that follow from them: at a tiny amplitude rounding is measured, which must not be magnified without bound.
+MIN_UNIT_PART = 1e-3
 ROUNDINGS_PER_ROW = 32  # of a matrix, from interpolation and eigenvalues
 ROUNDINGS_PER_STEP = 4  # of the period: errors of the samples add up
 
@@ -115,25 +116,46 @@ class _Column(NamedTuple):
     losses: FloatArray
     cycles: float  # T and h, the period and a step, in cycles of the fastest motion
     step: float
-    slope: float  # the largest measured E in units of T h^4 |eps| nu; 0 if it was not measured
+    slopes: FloatArray  # E in units of T h^4 |eps| nu, from the amplitudes at which it was measured; else 0
 
 
 def _column(
     subsystem: Subsystem, Omega: float, eps: FloatArray, steps_per_cycle: float, work: Workspace, *, measure: bool
 ) -> _Column:
-    """Integrate a column; ``measure`` its error at two amplitudes by integrating once more with half the step."""
+    """Integrate a column; ``measure`` its error at a few amplitudes by integrating once more with half the step."""
     L = log2_steps(subsystem, Omega, eps, steps_per_cycle)
     sampler = Sampler.of(subsystem, Omega, work)
     all_of_them = spectra(sampler, eps, L, INTERPOLATION_TOLERANCE)
     found = dominant(all_of_them, subsystem.reversible)
     cycles = fastest(subsystem, Omega, eps) / Omega
-    step, slope = cycles / 2.0**L, 0.0
+    step, slopes, losses = cycles / 2.0**L, np.zeros(len(eps)), all_of_them.losses
     if measure:
-        tested = tested_amplitudes(eps)
-        unit = cycles * step**ORDER * np.abs(eps) * found.excess
-        errors = step_errors(sampler, select(all_of_them, tested), eps[tested], L)
-        slope = (errors / np.maximum(unit[tested], unit.max() * MIN_UNIT_PART + SMALLEST_NORMAL)).max()
-    return _Column(found, all_of_them.losses, cycles, step, slope)
+        places = measured_amplitudes(eps)
+        errors = step_errors(sampler, select(all_of_them, places), eps[places], L)
+        known = np.isfinite(errors)  # where all eigenvalues converged
+        if known.any():
+            unit = cycles * step**ORDER * np.abs(eps) * found.excess
+            slopes = _slopes(errors[known], np.array(places)[known], unit)
+        else:
+            losses = np.full(len(eps), np.inf)
+    return _Column(found, losses, cycles, step, slopes)
+
+
+def _slopes(errors: FloatArray, places: NDArray[np.intp], unit: FloatArray) -> FloatArray:
+    """Return E / ``unit`` (k,) at all amplitudes from ``errors`` E (t,) at some ``places``: the largest of four.
+
+    These are the two amplitudes on either side of a cell. E goes through zero here and there, as its sign changes, but
+    hardly at two of them; and it grows faster in one part of a column than in another, where tongues are crossed.
+    """
+    cells = np.arange(len(unit))
+    after = np.searchsorted(places, cells)
+    before = np.searchsorted(places, cells, side="right") - 1
+    nearest = np.clip([before - 1, before, after, after + 1], 0, len(places) - 1)
+    largest = np.zeros(len(places))
+    for row in nearest:
+        np.maximum.at(largest, row, unit)
+    measured = errors / np.maximum(np.maximum(unit[places], MIN_UNIT_PART * largest), SMALLEST_NORMAL)
+    return np.asarray(measured[nearest].max(axis=0))
 
 
 def _errors(
@@ -149,12 +171,12 @@ def _errors(
     errors u nu shift by as much.
     """
     losses = np.array([column.losses for column in columns])
-    cycles, step, slope = np.array([(column.cycles, column.step, column.slope) for column in columns]).T
+    cycles, step = np.array([(column.cycles, column.step) for column in columns]).T
     places = np.arange(len(columns))
     before, after = np.searchsorted(measured, places, side="right") - 1, np.searchsorted(measured, places)
-    slope = slope[list(measured)]
-    unit = cycles * step**ORDER * np.maximum(slope[before], slope[after])
-    truncation = unit[:, None] * np.abs(eps) * nu
+    slopes = np.array([columns[i].slopes for i in measured])
+    unit = (cycles * step**ORDER)[:, None] * np.abs(eps) * nu
+    truncation = unit * np.maximum(slopes[before], slopes[after])
     roundings = ROUNDINGS_PER_STEP * cycles / step + ROUNDINGS_PER_ROW * 2 * len(subsystem.K)
     rounding = UNIT_ROUNDOFF * roundings[:, None] * (nu if subsystem.symplectic else nu**2)
     return np.asarray(ERROR_SAFETY * losses * np.maximum(truncation, rounding))

@@ -75,12 +75,15 @@ def dominant(found: Spectra, reversible: bool) -> DominantMultiplier:
 
 
 def discrepancies(found: Spectra, finer: Spectra) -> FloatArray:
-    """Return E (k,), as in `floquet.engine.stability`, from two computations of the multipliers of the same cells."""
+    """Return E (k,), as in `floquet.engine.stability`, from two computations of the multipliers of the same cells.
+
+    It is infinite where an eigenvalue did not converge.
+    """
     shift = np.clip(finer.exponents - found.exponents, -MAX_SCALE_SHIFT, MAX_SCALE_SHIFT)
     one, other = found[0], finer[0] * 2.0 ** shift[:, None]
     if isinstance(found, ReciprocalSums) and not found.exponents.any():  # beyond that mu + 1/mu is mu
         one, other = reciprocal_pairs(one), reciprocal_pairs(other)
-    return discrepancy(one, other)
+    return np.where(np.isfinite(found.losses + finer.losses), discrepancy(one, other), np.inf)
 
 
 @njit(cache=True, nogil=True)

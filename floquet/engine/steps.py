@@ -23,6 +23,7 @@ ORDER = 4  # of the error in the length of a step
 TARGET_ERROR = 1e-10  # for the error E of `floquet.engine.stability`
 # An error is extrapolated to steps that are shorter by at most this factor; beyond that it is measured again.
 MAX_EXTRAPOLATION = 4.0
+MEASURED_AMPLITUDES = 6  # of a column, at which its error is measured
 # The finer of two computations is interpolated to this part of the tolerance, so that the steps alone make them differ.
 FINER_TOLERANCE = INTERPOLATION_TOLERANCE / 10
 
@@ -43,11 +44,12 @@ def steps_needed(systems: Sequence[PeriodicSystem], Omega: FloatArray, eps: Floa
 
 def _needed_steps(subsystem: Subsystem, Omega: float, eps: FloatArray, work: Workspace) -> float:
     """Return how many steps in one cycle of the fastest motion bring the error at ``Omega`` down to TARGET_ERROR."""
-    sampler, some = Sampler.of(subsystem, Omega, work), eps[tested_amplitudes(eps)]
+    sampler, some = Sampler.of(subsystem, Omega, work), eps[measured_amplitudes(eps)]
     steps = MIN_STEPS_PER_CYCLE
     while True:
         L = log2_steps(subsystem, Omega, eps, steps)
-        error = step_errors(sampler, spectra(sampler, some, L, INTERPOLATION_TOLERANCE), some, L).max()
+        errors = step_errors(sampler, spectra(sampler, some, L, INTERPOLATION_TOLERANCE), some, L)
+        error = errors.max(where=np.isfinite(errors), initial=0.0)  # infinite where an eigenvalue did not converge
         taken = 2.0**L * Omega / fastest(subsystem, Omega, eps)
         steps = taken * (error / TARGET_ERROR) ** (1 / ORDER)
         steps = min(max(steps, MIN_STEPS_PER_CYCLE), MAX_STEPS_PER_CYCLE)
@@ -60,10 +62,11 @@ def step_errors(sampler: Sampler, found: Spectra, eps: FloatArray, L: int) -> Fl
     return discrepancies(found, spectra(sampler, eps, L + 1, FINER_TOLERANCE))
 
 
-def tested_amplitudes(eps: FloatArray) -> list[int]:
-    """Return the amplitudes at which errors are measured: the largest and the one nearest to its half."""
-    sizes = np.abs(eps)
-    return sorted({int(sizes.argmax()), int(np.abs(sizes - sizes.max() / 2).argmin())})
+def measured_amplitudes(eps: FloatArray) -> list[int]:
+    """Return the places of the amplitudes at which errors are measured: evenly spaced among those that are not zero."""
+    excited = np.flatnonzero(eps) if np.any(eps) else np.arange(1)
+    places = np.linspace(0, len(excited) - 1, min(MEASURED_AMPLITUDES, len(excited)))
+    return excited[np.rint(places).astype(int)].tolist()
 
 
 def fastest(subsystem: Subsystem, Omega: float, eps: FloatArray) -> float:

@@ -12,6 +12,7 @@ from floquet import Kind, monodromy, stability_chart
 from floquet.engine import MIN_STEPS_PER_CYCLE, chart_batch
 from floquet.engine.column import MEASUREMENT_REACH, _measured
 from floquet.engine.eigen.hessenberg import eigenvalues
+from floquet.engine.steps import measured_amplitudes
 from periodic import PeriodicSystem
 from periodic.checks import ComplexArray, FloatArray
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu
@@ -145,6 +146,37 @@ def test_errors_of_columns_that_share_a_measurement_are_honest(case: str) -> Non
     system, (low, _), eps = CASES[case]
     errors, _ = honest(system, np.linspace(low, 1.08 * low, 8), np.linspace(*eps, 25))
     assert len(errors) >= 30
+
+
+@pytest.mark.parametrize(
+    ("system", "Omega", "eps"),
+    [
+        (mathieu(6.19), 2.0, 30.0),  # first found: errors four times the estimate between two measured amplitudes
+        (mathieu(1.36), 0.94, 15.0),
+        (mathieu(-0.7), 3.43, 18.0),
+        (mathieu(3.0, 0.1), 1.7, 25.0),
+        (random_system(7, 1, 3), 1.3, 15.0),
+        (coupled_mathieu("sum", (1.0, 1.4)), 1.7, 8.0),
+    ],
+    ids=["first found", "slow", "trap", "damped", "three harmonics", "coupled"],
+)
+def test_errors_at_large_amplitudes_are_below_their_estimates(system: PeriodicSystem, Omega: float, eps: float) -> None:
+    found = stability_chart(system, [Omega], np.linspace(0, eps, 101), audit=0, progress=False)
+    compared = 0
+    for i in range(2, 101, 4):
+        exact = monodromy(system, Omega, float(found.eps[i]))
+        if exact.log_modulus_error < 0.3 * found.error[i, 0]:
+            error = abs(found.growth_rate[i, 0] - exact.growth_rate) * 2 * np.pi / Omega
+            assert error <= found.error[i, 0] + 1e-13, found.eps[i]
+            compared += 1
+    assert compared >= 15
+
+
+def test_measured_amplitudes() -> None:
+    assert measured_amplitudes(np.zeros(1)) == [0]
+    assert measured_amplitudes(np.array([0.0, 0.5])) == [1]
+    assert measured_amplitudes(np.linspace(0, 1, 102)) == [1, 21, 41, 61, 81, 101]
+    assert measured_amplitudes(np.linspace(-1, 1, 5)) == [0, 1, 3, 4]
 
 
 def test_measured_columns() -> None:

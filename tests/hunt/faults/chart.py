@@ -116,8 +116,15 @@ FAULTS = (
     Fault(
         "errors relative to the multiplier, not to the matrix",
         "floquet/engine/column.py",
-        "np.abs(eps) * nu\n    roundings",
-        "np.abs(eps) * np.ones_like(nu)\n    roundings",
+        "np.abs(eps) * nu\n    truncation",
+        "np.abs(eps) * np.ones_like(nu)\n    truncation",
+        "floquet/chart/test_chart_oracle.py",
+    ),
+    Fault(
+        "errors between amplitudes from the smallest beside them",
+        "floquet/engine/column.py",
+        "measured[nearest].max(axis=0)",
+        "measured[nearest].min(axis=0)",
         "floquet/chart/test_chart_oracle.py",
     ),
     Fault(
