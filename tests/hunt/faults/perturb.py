@@ -157,4 +157,18 @@ FAULTS = (
         "for root in (root_low, root_high))",
         "perturb/test_campbell.py",
     ),
+    Fault(
+        "range of the expansion of the stiffer mode",
+        "perturb/effective_matrix.py",
+        "softest = np.maximum(",
+        "softest = np.minimum(",
+        "perturb/test_range.py",
+    ),
+    Fault(
+        "tip of first order told as that of second",
+        "perturb/curve.py",
+        "else float(self.second.tip)",
+        "else float(self.first.tip)",
+        "perturb/test_range.py",
+    ),
 )
