@@ -192,7 +192,9 @@ class TransitionCurve:
     def merged_edges(self, eps: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Return the edges of the whole region that this one is part of, together with all that has merged with it.
 
-        The same as `edges` unless there are `coincident` resonances. This is what integration finds.
+        The same as `edges` unless there are `coincident` resonances. It is one interval: coincident resonances may have
+        several with stable gaps between them, and one that is no single resonance's belongs to no curve. `growth_rate`
+        knows all of them.
 
         Parameters
         ----------

@@ -167,3 +167,17 @@ def test_merged_edges_are_those_of_the_integrated_equations(seed: int, split: fl
         if lower + margin < Omega < upper - margin or not unstable:
             assert (integrated_growth(system, Omega, eps) > 1e-6) == unstable
     assert integrated_growth(system, upper + margin, eps) < 1e-6
+
+
+def test_coincident_resonances_may_have_three_intervals() -> None:
+    """omega_2 = 3 omega_1: 2 omega_1 and (omega_1 + omega_2) / 2, with a third interval that is neither's between."""
+    F = np.array([[-0.36305495, -0.73465801], [-0.73465801, 2.04628803]])
+    system, eps = PeriodicSystem(np.eye(2), ZERO, ZERO, np.diag([1.0, 9.0]), [F]), 0.04
+    found = {c.label: c for c in transition_curves(system, (1.8, 2.3), order=2, types=["sum"])}
+    one, other = found["2ω₁"], found["(ω₁+ω₂)/2 (2nd)"]
+    np.testing.assert_allclose(one.merged_edges(eps), (1.99025, 1.99750), atol=1e-5)
+    np.testing.assert_allclose(other.merged_edges(eps), (2.00243, 2.00971), atol=1e-5)
+    for Omega in (1.994, 1.998, 2.0, 2.002, 2.006):
+        exact = integrated_growth(system, Omega, eps)
+        assert one.growth_rate(Omega, eps) == pytest.approx(exact, abs=2e-6)
+        assert (exact > 1e-4) == (Omega not in (1.998, 2.002))
