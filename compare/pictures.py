@@ -55,7 +55,7 @@ def overlay(
     *,
     title: str = "",
     size: tuple[float, float] = (9.0, 4.8),
-) -> Figure:
+) -> Picture:
     """Draw a stability chart, the traced boundaries and the analytic transition curves in one picture.
 
     Parameters
@@ -73,8 +73,8 @@ def overlay(
 
     Returns
     -------
-    matplotlib.figure.Figure
-        Save it with ``figure.savefig(path)``; as the value of a notebook's cell it shows itself.
+    Picture
+        A matplotlib figure. Save it with ``figure.savefig(path)``; as the value of a notebook's cell it shows itself.
 
     Raises
     ------

@@ -49,7 +49,8 @@ def tabulate(record_property: Callable[[str, object], None]) -> Callable[..., No
 def pytest_runtest_logreport(report: pytest.TestReport) -> None:
     """Collect the rows: with several workers they come with the reports, to the process that prints."""
     if report.when == "call":
-        for title, row in (value for name, value in report.user_properties if name == TABLE):
+        filled: list[Any] = [value for name, value in report.user_properties if name == TABLE]
+        for title, row in filled:
             ROWS.setdefault(title, []).append(row)
 
 

@@ -100,8 +100,8 @@ def test_every_package_is_in_the_wheel() -> None:
 @pytest.mark.parametrize("name", PACKAGES)
 def test_the_way_in_runs(name: str) -> None:
     """The docstring of each package shows how its parts work together, and its names are all there."""
-    for package, extra in NEEDED_EXTRAS.items():
-        if f"{name}.".startswith(f"{package}."):
+    for needy, extra in NEEDED_EXTRAS.items():
+        if f"{name}.".startswith(f"{needy}."):
             pytest.importorskip(extra, reason=f"{extra} is not installed")
     package = importlib.import_module(name)
     tried = doctest.testmod(package)

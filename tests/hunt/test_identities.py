@@ -262,7 +262,7 @@ def test_inplane_frequencies_fall_as_terms_are_added(plate: MovingPlate, axial: 
 @given(systems(4), frequencies, st.floats(-1.0, 1.0))
 def test_a_tighter_tolerance_is_never_worse(system: PeriodicSystem, Omega: float, eps: float) -> None:
     exact = monodromy(system, Omega, eps)
-    size = max(1.0, np.linalg.norm(exact.matrix, 2))
+    size = max(1.0, float(np.linalg.norm(exact.matrix, 2)))
     tolerances = (1e-3, 1e-5, 1e-7, 1e-9)
     found = [monodromy(system, Omega, eps, tolerance=tolerance) for tolerance in tolerances]
     errors = [np.linalg.norm(f.matrix - exact.matrix, 2) / size for f in found]

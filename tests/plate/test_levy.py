@@ -54,7 +54,8 @@ def graded(places: Any, levels: int, nodes: int) -> tuple[NDArray[np.float64], N
     ends = np.concatenate([half, 1 - half[-2::-1]])
     panels = [start + (end - start) * ends for start, end in pairwise(places)]
     rules = [gauss_legendre(nodes, low, high) for panel in panels for low, high in pairwise(panel)]
-    return tuple(np.concatenate(part) for part in zip(*rules, strict=True))
+    places_of_rules, weights = zip(*rules, strict=True)
+    return np.concatenate(places_of_rules), np.concatenate(weights)
 
 
 @pytest.mark.parametrize("r", [1, 2])

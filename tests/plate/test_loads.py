@@ -70,7 +70,7 @@ def test_samples_may_have_any_unit() -> None:
     np.testing.assert_allclose(load.static([0.0, 0.5, 1.0]), values / 275.0, rtol=1e-14)
 
 
-WAVES = {
+WAVES: dict[str, Any] = {
     "cosine": np.cos,
     "square": lambda t: square(t + np.pi / 2),
     "triangle": lambda t: -sawtooth(t, 0.5),
@@ -83,7 +83,8 @@ def test_named_waveforms_are_fourier_series(name: str) -> None:
     load = EdgeLoad.linear(1.0, 2.0).with_waveform(name, harmonics=6)
     jumps = [np.pi / 2, np.pi, 3 * np.pi / 2]
     for j in range(1, 7):
-        for distributions, function in ((load.f_c, np.cos), (load.f_s, np.sin)):
+        waves: list[tuple[Any, Any]] = [(load.f_c, np.cos), (load.f_s, np.sin)]
+        for distributions, function in waves:
             coefficient = (
                 quad(lambda t, j=j, g=function: WAVES[name](t) * g(j * t), 0, 2 * np.pi, points=jumps)[0] / np.pi
             )

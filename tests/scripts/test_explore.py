@@ -35,7 +35,7 @@ def run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Run:
     (tmp_path / "two.toml").write_text(SMALL_CASE + VARIANTS, encoding="utf-8")
 
     def run(*arguments: object) -> tuple[int, str, str]:
-        given = [str(tmp_path / a) if (tmp_path / str(a)).is_file() else str(a) for a in arguments]
+        given = [str(tmp_path / str(a)) if (tmp_path / str(a)).is_file() else str(a) for a in arguments]
         try:
             status = explore.main(["--output", str(tmp_path / "out"), "--no-progress", "--jobs", "1", *given])
         except SystemExit as stop:  # argparse

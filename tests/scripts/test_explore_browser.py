@@ -9,8 +9,9 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 import pytest
@@ -165,11 +166,26 @@ def test_the_pointer_tells_the_numbers_of_its_cell(page: Browser, folder: Path) 
     assert shown["verdict"].startswith("unstable" if chart.kind[row, column] > 0 else "stable")
 
 
+def _number(name: str, text: str) -> float:
+    """Return the number that follows ``name = `` in a text of the page."""
+    found = re.search(rf"{name} = ([\d.]+)", text)
+    assert found is not None, text
+    return float(found[1])
+
+
+def _served(output: IO[str]) -> str:
+    """Return the address that the server says; it may say before that it compiles."""
+    for line in output:
+        if found := re.search(r"http://127\.0\.0\.1:\d+/", line):
+            return found[0]
+    raise AssertionError("the server ended without an address")
+
+
 def test_a_click_shows_multipliers_and_growing_solution(page: Browser) -> None:
     before = page.text("facts")
     page.point_at(2.75, 0.6).click().perform()
     page.wait(lambda: page.text("facts") != before)
-    Omega, eps = (float(re.search(rf"{name} = ([\d.]+)", page.text("facts"))[1]) for name in ("Ω", "ε"))
+    Omega, eps = (_number(name, page.text("facts")) for name in ("Ω", "ε"))
     assert abs(Omega - 2.75) < 0.1  # a block of the chart is 3 / 32 wide and 1 / 16 high
     assert abs(eps - 0.6) < 0.0625
     expected = monodromy(SYSTEM, Omega, eps)
@@ -191,10 +207,14 @@ def test_the_legend_switches_boundaries_curves_and_labels(page: Browser) -> None
         next(element for element in page.find(".bk-item") if element.text == name).click()
 
     assert all(visible())
+
+    def shows(number: int, wanted: bool) -> bool:
+        return visible()[number] is wanted
+
     for number, name in enumerate(("Floquet boundary (traced)", "multiple scales, order 1", "region labels")):
         for wanted in (False, True):
             click(name)
-            page.wait(lambda number=number, wanted=wanted: visible()[number] is wanted)
+            page.wait(partial(shows, number, wanted))
 
 
 def test_colours_by_kind_of_instability(page: Browser) -> None:
@@ -212,8 +232,9 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     case.write_text(PLATE, encoding="utf-8")
     command = [sys.executable, str(ROOT / "scripts" / "explore.py"), "--case", str(case), "--serve", "--port", "0"]
     with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as server:
+        assert server.stdout is not None
         try:
-            yield re.search(r"http://127\.0\.0\.1:\d+/", server.stdout.readline())[0]
+            yield _served(server.stdout)
         finally:
             server.terminate()
             left = server.stdout.read()
@@ -236,17 +257,25 @@ def _chart(page: Browser) -> list[float]:
     return page.driver.execute_script(f"return Array.from({MODEL}.data.rate[0])", "cells")
 
 
+def _differs(page: Browser, before: list[float]) -> bool:
+    return _chart(page) != before
+
+
+def _moved(page: Browser, slider: str, before: Any) -> bool:
+    return bool(page.get(slider, "value") != before)
+
+
 def test_every_slider_changes_the_chart(live: Browser) -> None:
     for slider in SLIDERS:
         if slider == "harmonics":  # a cosine has but one
             before = _chart(live)
             live.driver.execute_script(f"{MODEL}.value = 'sawtooth'", "waveform")
-            live.wait(lambda before=before: _chart(live) != before)
+            live.wait(partial(_differs, live, before))
             live.wait(lambda: FINEST in live.text("message"))
         before, value = _chart(live), live.get(slider, "value")
         _press(live, slider, Keys.ARROW_LEFT if slider == "width" else Keys.ARROW_RIGHT)
-        live.wait(lambda slider=slider, value=value: live.get(slider, "value") != value)
-        live.wait(lambda before=before: _chart(live) != before)
+        live.wait(partial(_moved, live, slider, value))
+        live.wait(partial(_differs, live, before))
         live.wait(lambda: FINEST in live.text("message"))  # refined when idle
 
 
@@ -264,7 +293,7 @@ def test_a_wrong_value_is_a_sentence_and_the_next_right_one_a_chart(live: Browse
 def test_a_click_is_computed_on_the_server(live: Browser) -> None:
     live.point_at(25.3, 0.31).click().perform()
     live.wait(lambda: "Ω = 25." in live.text("facts"))
-    Omega, eps = (float(re.search(rf"{name} = ([\d.]+)", live.text("facts"))[1]) for name in ("Ω", "ε"))
+    Omega, eps = (_number(name, live.text("facts")) for name in ("Ω", "ε"))
     assert (Omega, eps) == (pytest.approx(25.3, abs=0.05), pytest.approx(0.31, abs=0.002))  # a pixel
     expected = monodromy(MovingPlate(axial_terms=2, lateral_terms=2), Omega, eps)
     np.testing.assert_allclose(live.data("multipliers", "modulus"), np.abs(expected.multipliers), rtol=1e-4)
@@ -281,7 +310,7 @@ def test_zooming_computes_the_window_that_is_seen(live: Browser) -> None:
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only there 127.0.0.2 is this machine too")
 def test_it_is_served_on_this_machine_alone(address: str) -> None:
-    port = int(re.search(r":(\d+)/", address)[1])
+    port = int(address.rstrip("/").rsplit(":", 1)[1])
     socket.create_connection(("127.0.0.1", port), timeout=5).close()
     with pytest.raises(ConnectionRefusedError):
         socket.create_connection(("127.0.0.2", port), timeout=5)

@@ -78,7 +78,7 @@ def test_a_complete_run_leaves_no_parts(home: Path) -> None:
 @needs_kill
 def test_kill_nine_twice_and_go_on(home: Path) -> None:
     parts = home / "twice" / ".unfinished"
-    kept = []
+    kept: list[int] = []
     for _ in range(2):
         child = _start(home, "--output", "twice", "--resume")
         _wait_for_blocks(child, parts, (kept or [0])[-1] + 3)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -137,7 +138,7 @@ def test_a_system_that_theory_gets_wrong_is_status_one(tmp_path: Path, monkeypat
 
     whole = TransitionCurve.edges
 
-    def wider(self: TransitionCurve, eps: object) -> tuple[object, ...]:
+    def wider(self: TransitionCurve, eps: Any) -> tuple[object, ...]:
         return tuple(self.centre + 1.01 * (edge - self.centre) for edge in whole(self, eps))
 
     monkeypatch.setattr(TransitionCurve, "edges", wider)

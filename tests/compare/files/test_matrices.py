@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -45,7 +47,7 @@ def test_random_numbers_of_any_magnitude_come_back(
     tmp_path_factory: pytest.TempPathFactory, seed: int, form: str
 ) -> None:
     random = np.random.default_rng(seed)
-    n, J = random.integers(1, 6), random.integers(1, 4)
+    n, J = int(random.integers(1, 6)), int(random.integers(1, 4))
     numbers = random.standard_normal((2 * J + 2, n, n)) * 10.0 ** random.integers(-200, 200, (2 * J + 2, 1, 1))
     numbers[random.random(numbers.shape) < 0.3] = 0
     skew, K, *excitation = numbers
@@ -76,7 +78,13 @@ def test_capitals_integers_and_numbers_for_one_coordinate(tmp_path: Path) -> Non
 @pytest.mark.parametrize("kind", ["dense", "sparse", "single", "int32"])
 @pytest.mark.parametrize("compressed", [False, True])
 def test_matlab_files_as_scipy_writes_them(tmp_path: Path, kind: str, compressed: bool) -> None:
-    change = {"dense": np.array, "sparse": scipy.sparse.csc_matrix, "single": np.float32, "int32": np.int32}[kind]
+    changes: dict[str, Callable[[Any], Any]] = {
+        "dense": np.array,
+        "sparse": scipy.sparse.csc_matrix,
+        "single": np.float32,
+        "int32": np.int32,
+    }
+    change = changes[kind]
     matrices = {"M": change(M), "K": change(K), "F1c": change(F), "f2s": change(np.zeros((2, 2)))}
     scipy.io.savemat(tmp_path / "a.mat", matrices, do_compression=compressed)
     system = load_system(tmp_path / "a.mat")
