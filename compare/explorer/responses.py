@@ -17,7 +17,7 @@ from periodic.checks import ComplexArray, FloatArray
 # Places in a period at which a solution is drawn. A solution with a dozen oscillations is still smooth.
 SAMPLES_PER_PERIOD = 96
 # Relative error of the solution that is drawn. The verdict does not depend on it: that is `floquet.monodromy`'s.
-SOLUTION_TOLERANCE = 1e-6
+DRAWING_TOLERANCE = 1e-6
 # Points along Omega and eps that can be clicked in a file: half a megabyte and half a minute for 28 coordinates.
 CLICKABLE_POINTS = (32, 16)
 # Digits behind the point to which growth rates are compared; what differs by less is rounding.
@@ -92,8 +92,8 @@ def response(family: SystemFamily, Omega: float, eps: float) -> Response:
     T = 2 * np.pi / Omega
     start = vectors[:, chosen].astype(complex)
     times = np.arange(SAMPLES_PER_PERIOD) * T / SAMPLES_PER_PERIOD
-    scale = SOLUTION_TOLERANCE * np.abs(start).max()
-    path = solve_ivp(first_order, (0, T), start, "DOP853", times, rtol=SOLUTION_TOLERANCE, atol=scale).y[n:]
+    scale = DRAWING_TOLERANCE * np.abs(start).max()
+    path = solve_ivp(first_order, (0, T), start, "DOP853", times, rtol=DRAWING_TOLERANCE, atol=scale).y[n:]
     coordinate = int(np.argmax(np.abs(path).max(axis=1)))
     wave = path[coordinate]
     peak = wave[np.argmax(np.abs(wave))]
