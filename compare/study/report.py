@@ -12,6 +12,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 
 from compare.claims import ClaimVerdict, Measured, Traced
 from compare.study.limits import validity
+from compare.study.provenance import provenance
 from compare.study.study import Study, SystemStudy
 
 # Largest deviation of an edge of first order, as part of the traced width, where the report says that it holds.
@@ -68,6 +69,7 @@ def write_report(studies: Sequence[Study], claims: Sequence[ClaimVerdict], folde
         "agreeing": sum(verdict.agrees for verdict in regions),
         "failed_charts": sum(not variant.passed_audit for study in studies for variant in study.variants),
         "tolerance": REPORTED_TOLERANCE,
+        "made": provenance(studies),
     }
     for name in ("report.html", "report.md"):
         text = environment.get_template(name).render(facts)
