@@ -8,12 +8,12 @@
 2ω₁ 0.40 [ True False]
 
 How the parts work together. A `window.Window` knows the family, the ranges and the amplitudes. A `scan.Scan` of it has
-columns, which say at each Omega where in eps the system is unstable; `refinement` places more of them until straight
-lines describe the edges, and `outlines` joins their intervals to closed polylines. What is narrower than the distance
-between columns is expected at the resonances (`widths`). `tracking` tells the modes of a column apart, `detuning` says
-by how much two of them miss a resonance, and `centrelines` where they miss it by nothing; there, `tongues` measures the
-width. `segments` cuts tongues where they enter wide regions, `naming` finds the resonances that wide regions start
-from, and `regions` puts all together.
+columns (`column`), which say at each Omega where in eps the system is unstable; `refinement` places more of them until
+straight lines describe the edges, and `outlines` joins their intervals to closed polylines. What is narrower than the
+distance between columns is expected at the resonances (`widths`). `tracking` tells the modes of a column apart,
+`detuning` says by how much two of them miss a resonance, and `centrelines` where they miss it by nothing; there,
+`tongues` measures the width. `segments` cuts tongues where they enter wide regions, `naming` finds the resonances that
+wide regions start from, and `regions` puts all together.
 """
 
 from floquet.regions.outlines import Loop, largest_width

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquet.engine import Subsystem
-from floquet.regions.scan import OTHER_SUBSYSTEMS, Scan, SubsystemColumn
+from floquet.regions.column import SubsystemColumn
+from floquet.regions.scan import OTHER_SUBSYSTEMS, Scan
 from floquet.regions.tracking import LogMultipliers, angle_detuning, pair_test_function, track_modes
 from floquet.regions.widths import ExpectedTongue, SubsystemModes
 from periodic.checks import FloatArray

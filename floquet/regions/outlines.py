@@ -49,8 +49,25 @@ Corner = tuple[int, int, str, int]  # column, interval, "low" | "high" | "left" 
 
 
 def links(left: Column, right: Column) -> list[tuple[int, int]]:
-    """Return the pairs of intervals of two columns that overlap, from below."""
-    return [(i, k) for i, a in enumerate(left) for k, b in enumerate(right) if max(a.low, b.low) < min(a.high, b.high)]
+    """Return the pairs of intervals of two columns that are connected, from below.
+
+    Intervals are connected if they overlap, unless only a stable gap that rises or falls from one column to the other
+    lets them overlap. A gap is taken to go on if it is between the same kinds of instability in both columns.
+    """
+    found = [(i, k) for i, a in enumerate(left) for k, b in enumerate(right) if max(a.low, b.low) < min(a.high, b.high)]
+    overlapping = set(found)
+
+    def is_across(i: int, k: int) -> bool:
+        rises = {(i - 1, k), (i, k + 1)} <= overlapping and _gap_kinds(left, i - 1) == _gap_kinds(right, k)
+        falls = {(i, k - 1), (i + 1, k)} <= overlapping and _gap_kinds(left, i) == _gap_kinds(right, k - 1)
+        return rises or falls
+
+    return [pair for pair in found if not is_across(*pair)]
+
+
+def _gap_kinds(column: Column, i: int) -> tuple[int, int]:
+    """Return the kinds of instability below and above the stable gap that is above interval ``i``."""
+    return column[i].high_kind, column[i + 1].low_kind
 
 
 def components(columns: Sequence[Column]) -> list[set[IntervalId]]:

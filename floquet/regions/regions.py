@@ -144,8 +144,8 @@ def trace_regions(
     Wide regions are found by 128 columns over the window, and by as many more as their edges, and stable gaps between
     them, need. Narrower ones pass between the columns. They are looked for at the resonances j Omega = omega_p ±
     omega_q, j <= 8, and followed from there (`floquet.regions.tongues`). A narrow region may be missed if it starts at
-    none of these, or where others crowd it. A stable gap may be missed if it is narrower than the tolerance in Omega,
-    or than an 80th of the window in eps. Every region has a witness.
+    none of these, or where others crowd it. A stable gap may be missed if it is narrower than the tolerance in Omega or
+    in eps. Every region has a witness.
     """
     low, high = interval("Omega_range", Omega_range)
     real_number("Omega_range[0]", low, positive=True)

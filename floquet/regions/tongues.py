@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 from floquet.boundary import Resonance
 from floquet.engine import Sampler, Workspace, log2_steps, spectra, subsystems
 from floquet.regions.centrelines import Centreline, centreline, polynomial_zero
+from floquet.regions.column import SubsystemColumn
 from floquet.regions.detuning import EQUAL_DAMPING_BALANCE, Detuning, detunings, matching_subsystem
-from floquet.regions.scan import Scan, SubsystemColumn
+from floquet.regions.scan import Scan
 from floquet.regions.tracking import log_multipliers
 from floquet.regions.widths import ExpectedTongue
 from floquet.regions.window import Window
@@ -79,7 +80,7 @@ def trace_tongues(expected: Sequence[ExpectedTongue], scan: Scan) -> list[Tongue
     """
     pairs = list(zip(expected, detunings(expected, scan), strict=True))
     batches = [pairs[i : i + TONGUES_PER_TASK] for i in range(0, len(pairs), TONGUES_PER_TASK)]
-    tasks = ((scan.window, scan.steps, batch) for batch in batches)
+    tasks = ((scan.window, scan.grid.steps, batch) for batch in batches)
     found = dict(as_completed(_tongues, tasks, scan.window.n_jobs))
     return [tongue for i in range(len(batches)) for tongue in found[i]]
 

@@ -19,12 +19,16 @@ from periodic.checks import ComplexArray, FloatArray
 
 # Multipliers of a conservative system have left the unit circle if log|mu| is larger.
 UNIT_CIRCLE_TOLERANCE = 1e-6
+# Growth of a conservative system is clear, though the edge is near, if log|mu| is larger.
+MIN_CLEAR_GROWTH = 1e-4
 # Two modes that are unstable together have one angle. They are told apart by this part of their last free movement.
 PRESUMED_MOVEMENT = 1e-3
 # Extrapolation begins anew where the angle found differs by more than this, in rad.
 MAX_EXTRAPOLATION_ERROR = 0.3
 # Modes that decay by a factor of more than exp(MAX_TRACKED_DECAY) in one period are not tracked.
 MAX_TRACKED_DECAY = 8.0
+# Most unstable multipliers at two neighbouring amplitudes whose angles differ by more, in rad, are those of two pairs.
+MAX_ANGLE_DIFFERENCE = 0.5
 # Halvings that find an edge between two amplitudes.
 EDGE_HALVINGS = 40
 
@@ -208,51 +212,95 @@ def strongest_pair(found: LogMultipliers) -> tuple[FloatArray, FloatArray]:
 
 
 @njit(cache=True, nogil=True)
+def _strongest(found: LogMultipliers, c: int) -> tuple[float, bool]:
+    """Return the angle of the most unstable multiplier at amplitude number ``c``, and whether it is real."""
+    angle, modulus, half_difference = found
+    first = int((modulus[c] + half_difference[c]).argmax())
+    return angle[c, first], half_difference[c, first] > 0.0
+
+
+@njit(cache=True, nogil=True)
+def _f_at(found: LogMultipliers, c: int, at: float, single: bool, conservative: bool) -> tuple[float, float]:
+    """Return f and the mean angle, at amplitude number ``c``, of the pair of multipliers that is nearest to an angle.
+
+    ``single`` means those of one mode. A negative ``at`` stands for the most unstable pair.
+    """
+    angle, modulus, half_difference = found
+    first = int((modulus[c] + half_difference[c]).argmax()) if at < 0.0 else int(np.abs(angle[c] - at).argmin())
+    if single:
+        off = angle[c, first] - at if at >= 0.0 else 0.0
+        apart = half_difference[c, first] if abs(off) < MAX_ANGLE_DIFFERENCE else 0.0  # else real, but of other sign
+        return apart**2 - off**2 - modulus[c, first] ** 2, angle[c, first]
+    distance = np.abs(angle[c] - (angle[c, first] if at < 0.0 else at))
+    distance[first] = np.inf
+    second = int(distance.argmin())
+    total, detuning = modulus[c, first] + modulus[c, second], angle[c, first] - angle[c, second]
+    difference = modulus[c, first] - modulus[c, second]
+    f = (difference**2 - detuning**2 - total**2) / 4
+    if not conservative and total != 0.0:
+        f += (difference * detuning / 2 / total) ** 2
+    return f, (angle[c, first] + angle[c, second]) / 2
+
+
+@njit(cache=True, nogil=True)
 def edge_between(
     found: LogMultipliers, eps: FloatArray, outside: int, inside: int, further: int, conservative: bool
-) -> float:
+) -> tuple[float, float]:
     """Return the edge of a region between two neighbouring amplitudes, number ``outside`` and number ``inside`` it.
 
     It is the zero of a parabola through the test function f of the pair that is most unstable at ``inside``. The third
     amplitude is ``further`` inside; if that is ``inside`` itself, a straight line is taken. Where f does not change its
-    sign the edge is taken to be halfway.
+    sign the edge is taken to be halfway. The second number is by how much the edge may be off.
     """
-    angle, modulus, half_difference = found
-    top = int((modulus[inside] + half_difference[inside]).argmax())
-    single = half_difference[inside, top] > 0.0
-    values = np.zeros(3)
-    at = angle[inside, top]
-    for r in range(3):
-        c = (inside, further, outside)[r]
-        first = int((modulus[c] + half_difference[c]).argmax()) if r < 2 else int(np.abs(angle[c] - at).argmin())
-        if single:
-            total, detuning = 2 * modulus[c, first], 2 * (angle[c, first] - at)
-            values[r] = half_difference[c, first] ** 2 - detuning**2 / 4 - total**2 / 4
-        else:
-            distance = np.abs(angle[c] - (angle[c, first] if r < 2 else at))
-            distance[first] = np.inf
-            second = int(distance.argmin())
-            total, detuning = modulus[c, first] + modulus[c, second], angle[c, first] - angle[c, second]
-            difference = modulus[c, first] - modulus[c, second]
-            values[r] = (difference**2 - detuning**2 - total**2) / 4
-            if not conservative and total != 0.0:
-                values[r] += (difference * detuning / 2 / total) ** 2
-            if r == 0:
-                at = (angle[c, first] + angle[c, second]) / 2
+    at, single = _strongest(found, inside)
+    f_inside, centre = _f_at(found, inside, -1.0, single, conservative)
+    at = at if single else centre
+    f_further, _ = _f_at(found, further, at if single else -1.0, single, conservative)
+    f_outside, _ = _f_at(found, outside, at, single, conservative)
     b, a = eps[inside], eps[outside]
-    if not (values[0] > 0.0 and values[2] < 0.0):
-        met = conservative and 0.0 <= values[2] < UNIT_CIRCLE_TOLERANCE  # at ``outside`` itself, but for rounding
-        return a if met else (a + b) / 2
-    # inwards from outside: f = values[2] + slope x + bend x (x - 1), x = 1 at ``inside``
-    slope, bend = values[0] - values[2], 0.0
+    met = conservative and -(MIN_CLEAR_GROWTH**2) < f_outside < UNIT_CIRCLE_TOLERANCE  # at ``outside`` itself
+    if met:
+        return a, 0.0
+    if not (f_inside > 0.0 and f_outside < 0.0):
+        return (a + b) / 2, abs(b - a) / 2
+    # inwards from outside: f = f_outside + slope x + bend x (x - 1), x = 1 at ``inside``
+    slope, bend = f_inside - f_outside, 0.0
     if further != inside:
         x = (eps[further] - a) / (b - a)
-        bend = (values[1] - values[2] - slope * x) / (x * (x - 1))
+        bend = (f_further - f_outside - slope * x) / (x * (x - 1))
     low, high = 0.0, 1.0
     for _ in range(EDGE_HALVINGS):
         x = (low + high) / 2
-        if values[2] + slope * x + bend * x * (x - 1) > 0.0:
+        if f_outside + slope * x + bend * x * (x - 1) > 0.0:
             high = x
         else:
             low = x
-    return a + (low + high) / 2 * (b - a)
+    x = (low + high) / 2
+    faint = conservative and f_inside < MIN_CLEAR_GROWTH**2  # nearer to the edge nothing would be seen
+    return a + x * (b - a), 0.0 if faint else abs(x + f_outside / slope) * abs(b - a)
+
+
+@njit(cache=True, nogil=True)
+def may_have_gap(found: LogMultipliers, eps: FloatArray, c: int, first: int, last: int, conservative: bool) -> bool:
+    """Whether the system may be stable between the amplitudes number ``c`` and c + 1, both of them unstable.
+
+    The amplitudes from number ``first`` to ``last`` are unstable. If the most unstable pairs are two, there may be a
+    gap unless one of them is unstable at both. If they are one, there may be a gap if f falls towards it from both
+    sides and straight lines are at zero before they meet: f falls to an edge like a parabola.
+    """
+    (at, single), (at_next, single_next) = _strongest(found, c), _strongest(found, c + 1)
+    f, centre = _f_at(found, c, -1.0, single, conservative)
+    f_next, centre_next = _f_at(found, c + 1, -1.0, single_next, conservative)
+    if single != single_next or abs(at - at_next) > MAX_ANGLE_DIFFERENCE:
+        ends = _f_at(found, c + 1, at if single else centre, single, conservative)[0] < 0.0
+        begins = _f_at(found, c, at_next if single_next else centre_next, single_next, conservative)[0] < 0.0
+        return ends and begins
+    if c == first or c + 1 == last:
+        return False
+    before, _ = _f_at(found, c - 1, at if single else -1.0, single, conservative)
+    after, _ = _f_at(found, c + 2, at_next if single else -1.0, single, conservative)
+    if not (before > f > 0.0 and after > f_next > 0.0):
+        return False
+    end = eps[c] + f * (eps[c] - eps[c - 1]) / (before - f)
+    begin = eps[c + 1] - f_next * (eps[c + 2] - eps[c + 1]) / (after - f_next)
+    return end < begin

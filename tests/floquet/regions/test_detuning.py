@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from floquet.engine import subsystems
+from floquet.regions.column import SubsystemColumn
 from floquet.regions.detuning import Detuning, WideRegions, detunings, matching_subsystem
-from floquet.regions.scan import Scan, SubsystemColumn
+from floquet.regions.scan import Scan
 from floquet.regions.tracking import LogMultipliers
 from floquet.regions.window import Window
 from periodic.examples import coupled_mathieu, mathieu

@@ -59,3 +59,15 @@ def test_edges_that_meet_on_that_of_the_window_meet_although_rounding_puts_them_
         assert place[0] == pytest.approx(1.1 + 0.1 * (top - second) / (second - first))
         assert place[1] == pytest.approx(top)
         assert place[1] <= top
+
+
+def test_a_gap_that_rises_steeply_connects_nothing_across() -> None:
+    # from one column to the next the gap between two kinds rises by more than it is wide
+    def column(gap: float, above: int = Kind.PLUS_ONE) -> list[Interval]:
+        low, high = Interval(0.0, gap, Kind.MINUS_ONE, Kind.MINUS_ONE), Interval(gap + 0.01, 1.0, above, above)
+        return [low, high]
+
+    assert links(column(0.50), column(0.53)) == [(0, 0), (1, 1)]
+    assert links(column(0.53), column(0.50)) == [(0, 0), (1, 1)]
+    # a gap between other kinds is another gap: there the region goes through between them
+    assert links(column(0.50), column(0.53, Kind.COMPLEX)) == [(0, 0), (1, 0), (1, 1)]

@@ -16,9 +16,10 @@ from scipy.special import mathieu_a, mathieu_b
 from floquet import Kind, Region, StabilityChart, monodromy, stability_chart, trace_regions
 from floquet.oracle import is_unstable
 from floquet.regions import Loop
+from floquet.regions.column import _with_neighbours
 from floquet.regions.refinement import Refinement
 from floquet.regions.regions import _witness
-from floquet.regions.scan import Scan, _with_neighbours
+from floquet.regions.scan import Scan
 from floquet.regions.tongues import Tongue
 from floquet.regions.window import Window
 from periodic import PeriodicSystem

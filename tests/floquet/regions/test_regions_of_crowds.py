@@ -5,9 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from numpy.typing import ArrayLike
+from scipy.integrate import solve_ivp
 
 from floquet import Kind, Region, stability_chart, trace_regions
 from periodic import PeriodicSystem
+from periodic.checks import FloatArray
+from periodic.examples import mathieu
 
 
 def crowded(seed: int, n: int) -> PeriodicSystem:
@@ -63,3 +66,51 @@ def test_a_higher_harmonic_opens_its_resonance_at_eps_zero() -> None:
     system = PeriodicSystem([[1.0]], [[0.0]], [[0.0]], [[1.0]], [[[1.0]], [[0.0]], [[-0.5]]])
     tips = {region.label: region.tip for region in trace_regions(system, (0.5, 3.0), (0.0, 0.5), progress=False)}
     assert tips["2ω₁/3"] == pytest.approx((2 / 3, 0.0), abs=1e-6)
+
+
+def edges_by_integration(system: PeriodicSystem, Omega: FloatArray, eps: float) -> FloatArray:
+    """Where a scan along ``Omega`` changes between stable and unstable: DOP853, then the multipliers."""
+    M, K = np.linalg.inv(system.mass), system.stiffness
+
+    def growth(w: float) -> float:
+        def rate(t: float, y: FloatArray) -> FloatArray:
+            x, v = y.reshape(2, system.size, -1)
+            force = (K + eps * np.cos(w * t) * system.cosine[0]) @ x + system.damping @ v
+            return np.concatenate([v, -M @ force]).ravel()
+
+        start = np.eye(2 * system.size).ravel()
+        end = solve_ivp(rate, (0, 2 * np.pi / w), start, "DOP853", rtol=1e-11, atol=1e-13).y[:, -1]
+        return float(np.log(np.abs(np.linalg.eigvals(end.reshape(2 * system.size, -1))).max()))
+
+    values = np.array([growth(float(w)) for w in Omega])
+    return (Omega[1:] + Omega[:-1])[(values[1:] > 0) != (values[:-1] > 0)] / 2
+
+
+def test_a_narrow_gap_between_two_regions_has_no_islands() -> None:
+    # near the place where 2ω₁ and ω₁+ω₂ grow together, the gap between them is narrower in eps than an 80th
+    one = np.eye(2)
+    system = PeriodicSystem(one, 0 * one, 0.02 * one, np.diag([1.0, 1.5]), [[[1.0, 0.5], [0.5, 1.0]]])
+    window, top = (1.6, 2.8), 0.45
+    regions = trace_regions(system, window, (0.0, top), progress=False)
+    assert [len(region.outlines) for region in regions] == [1, 1]
+    for eps in (0.38, 0.4):
+        Omega = np.linspace(2.15, 2.22, 71)
+        left, right = edges_by_integration(system, Omega, eps)
+        inside = np.any([region.contains(Omega, eps) for region in regions], axis=0)
+        found = (Omega[1:] + Omega[:-1])[inside[1:] != inside[:-1]] / 2
+        assert found == pytest.approx([left, right], abs=1e-3 * (window[1] - window[0]))
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.05])
+def test_stable_strips_of_an_inverted_pendulum_are_not_bridged(damping: float) -> None:
+    # x'' + damping x' + (-0.24 + eps cos Omega t) x = 0: narrower in eps than an 80th of the window at low Omega
+    system, top = mathieu(-0.24, damping=damping), 5.0
+    regions = trace_regions(system, (0.6, 4.0), (0.0, top), progress=False)
+    for Omega in (0.8, 1.0, 1.3, 2.0):
+        eps = np.linspace(0.0, top, 2002)[1:-1]
+        kind = stability_chart(system, [Omega], eps, progress=False, audit=0).kind[:, 0]
+        inside = np.any([region.contains(Omega, eps) for region in regions], axis=0)
+        assert ((kind == Kind.STABLE) & ~inside).sum() > 2
+        edge = np.flatnonzero((kind[1:] > Kind.STABLE) != (kind[:-1] > Kind.STABLE))
+        wrong = np.flatnonzero((kind > Kind.STABLE) != inside)
+        assert (np.abs(wrong[:, None] - edge).min(axis=1) <= 3).all()  # 1.5e-3 of the window

@@ -139,7 +139,7 @@ def test_columns_of_few_errors_share_the_plans_of_their_doublings(monkeypatch: p
 def test_a_stable_point_is_not_sure() -> None:
     scan = Scan(Window(mathieu(), (0.6, 0.8), (0.0, 0.4)))
     (one,) = [one for one in tongues_expected(mathieu(), 0.4, 0.66, 0.67) if one.resonance.j == 3]
-    tracer = _TongueTracer(scan.window, one, scan.steps, Workspace())
+    tracer = _TongueTracer(scan.window, one, scan.grid.steps, Workspace())
     trace = trace_boundary(mathieu(), 2 / 3, 0.3, j=3)
     lower, upper = float(trace.lower[0]), float(trace.upper[0])
     assert tracer._is_sure((lower + upper) / 2, 0.3)

@@ -146,7 +146,7 @@ def test_the_test_function_is_unknown_where_a_mode_is_unstable_with_another() ->
 def test_an_edge_may_be_met_exactly() -> None:
     eps, angle = np.array([0.1, 0.2, 0.3]), np.full((3, 1), np.pi)
     found = LogMultipliers(angle, np.zeros((3, 1)), np.array([[0.0], [0.2], [0.25]]))
-    assert edge_between(found, eps, 0, 1, 2, True) == 0.1
+    assert edge_between(found, eps, 0, 1, 2, True) == (0.1, 0.0)
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.05])
@@ -156,7 +156,7 @@ def test_an_edge_between_two_amplitudes(damping: float) -> None:
     sampler = Sampler.of(subsystem, Omega, Workspace())
     found = log_multipliers(spectra(sampler, eps, log2_steps(subsystem, Omega, eps, 64.0), 1e-11))
     inside = int(np.flatnonzero((found.modulus + found.half_difference).max(axis=1) > 1e-9)[0])
-    low = edge_between(found, eps, inside - 1, inside, inside + 1, subsystem.symplectic)
+    low, uncertainty = edge_between(found, eps, inside - 1, inside, inside + 1, subsystem.symplectic)
     if damping == 0:
         exact = min(
             brentq(lambda e, side=side: 4 / Omega**2 - side(1, 2 * e / Omega**2), 0.1, 1.0)
@@ -167,7 +167,9 @@ def test_an_edge_between_two_amplitudes(damping: float) -> None:
         exact = brentq(lambda e: monodromy(system, Omega, e).growth_rate, eps[inside - 1], eps[inside], xtol=1e-10)
     # a parabola through amplitudes 1/32 apart
     assert low == pytest.approx(exact, abs=1e-4)
-    assert edge_between(found, eps, inside - 1, inside, inside, subsystem.symplectic) == pytest.approx(exact, abs=3e-3)
+    straight, _ = edge_between(found, eps, inside - 1, inside, inside, subsystem.symplectic)
+    assert straight == pytest.approx(exact, abs=3e-3)
+    assert uncertainty == pytest.approx(abs(low - straight), rel=1e-6)
 
 
 @pytest.mark.kernel
@@ -176,7 +178,7 @@ def test_the_edge_of_two_modes_of_unequal_damping_is_exact_where_f_is_a_parabola
     found = coupled_by(eps, d1, d2, s)
     inside = int(np.flatnonzero(found.modulus.max(axis=1) > 0)[0])
     exact = np.sqrt(d1 * d2 * (1 + (2 * s / (d1 + d2)) ** 2))
-    assert edge_between(found, eps, inside - 1, inside, inside + 1, False) == pytest.approx(exact, abs=1e-9)
+    assert edge_between(found, eps, inside - 1, inside, inside + 1, False)[0] == pytest.approx(exact, abs=1e-9)
 
 
 @pytest.mark.kernel

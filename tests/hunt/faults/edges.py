@@ -18,6 +18,27 @@ FAULTS = (
         "floquet/regions/test_segments.py",
     ),
     Fault(
+        "regions joined across a steep gap",
+        "floquet/regions/outlines.py",
+        "return [pair for pair in found if not is_across(*pair)]",
+        "return found",
+        "floquet/regions/test_outlines.py",
+    ),
+    Fault(
+        "stable gaps between two amplitudes bridged",
+        "floquet/regions/column.py",
+        "wanted.append(float(eps[c] + eps[c + 1]) / 2)",
+        "pass",
+        "floquet/regions/test_regions_of_crowds.py",
+    ),
+    Fault(
+        "bent edges taken from three amplitudes far apart",
+        "floquet/regions/column.py",
+        "if uncertainty > grid.resolution and",
+        "if uncertainty > 1e9 and",
+        "floquet/regions/test_column.py",
+    ),
+    Fault(
         "rounding taken for damping",
         "floquet/regions/widths.py",
         "slightest = -MIN_DECAY * subsystem.rate",
