@@ -20,6 +20,8 @@ from plate import EdgeLoad, MovingPlate
 
 # Characters of a hash that are printed: enough to tell one state from another.
 HASH_CHARACTERS = 12
+# Parameters of a plate that it chooses where they are left out.
+TERM_NAMES = ("axial_terms", "lateral_terms", "inplane_terms")
 # Places across the edge, as parts of the width, at which a load is described.
 DESCRIBED_PLACES = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
 
@@ -74,7 +76,9 @@ def _described(study: Study, family: SystemFamily) -> str:
             digest.update(np.ascontiguousarray(getattr(member, name)).tobytes())
         size = f"n = {member.size}, J = {member.harmonics}, matrices {digest.hexdigest()[:HASH_CHARACTERS]}"
         return f"{size}; {window}"
-    values = ((field.name, getattr(family, field.name)) for field in fields(family))
+    terms = family.terms  # those that were used, also where the plate chose them
+    used = dict(zip(TERM_NAMES, (terms.axial, terms.lateral, terms.inplane), strict=True))
+    values = ((field.name, used.get(field.name, getattr(family, field.name))) for field in fields(family))
     numbers = ", ".join(f"{name} = {value}" for name, value in values if isinstance(value, int | float | str | tuple))
     return f"{numbers}; {_load(family.load)}; {window}"
 

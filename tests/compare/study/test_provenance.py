@@ -55,6 +55,15 @@ def test_another_parameter_is_another_line(study: Study) -> None:
     assert len(lines) == 4
 
 
+def test_terms_that_the_plate_chose_are_told(study: Study) -> None:
+    plate = MovingPlate()
+    assert plate.axial_terms is None
+    changed = replace(study, subject=replace(study.subject, systems={"": plate}))
+    line = provenance([changed]).parameters[0][1]
+    assert f"axial_terms = {plate.terms.axial}, lateral_terms = {plate.terms.lateral}" in line
+    assert "None" not in line
+
+
 def test_matrices_are_told_by_their_hash(tmp_path: Path) -> None:
     found = set()
     for delta in (1.0, 1.0, 1.0000001):
