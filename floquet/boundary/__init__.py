@@ -11,12 +11,17 @@ A question names a resonance by a frequency; the answer holds the edges of its r
 >>> trace.lower.round(4), trace.upper.round(4)
 (array([1.9497, 1.796 ]), array([2.0497, 2.1946]))
 
-`resonance` names resonances, once for the whole house. `pair` tells the two multipliers of a resonance from all others
-and judges them by a function that is analytic at an edge. `boundary` follows them to the amplitude asked for and finds
-the zeros of that function.
+The room works from the inside outwards, each step in its own module:
+
+1. `resonance` names resonances, once for the whole house;
+2. `solutions` integrates a subsystem at one point and keeps what is needed of its multipliers;
+3. `pair` tells the two solutions of a resonance from all others, and judges them by a function that is analytic at an
+   edge; `hill` climbs to the top of that function;
+4. `follow` follows the pair from eps = 0 to the amplitude asked for, `crowd` finds what more than two states open;
+5. `walk` goes from a point inside to the first stable gap on either side;
+6. `region` joins these for one subsystem, `companions` for coincident resonances of several, `trace` for the user.
 """
 
-from floquet.boundary.boundary import BoundaryTrace, trace_boundary
 from floquet.boundary.resonance import (
     MIN_RELATIVE_FREQUENCY,
     Modes,
@@ -27,6 +32,7 @@ from floquet.boundary.resonance import (
     open_types,
     resonances,
 )
+from floquet.boundary.trace import BoundaryTrace, trace_boundary
 
 __all__ = [
     "MIN_RELATIVE_FREQUENCY",

@@ -1,4 +1,4 @@
-"""The two multipliers that a resonance brings together: which they are, and whether they are unstable."""
+"""The two solutions that a resonance brings together: which they are, and whether they are unstable."""
 
 from __future__ import annotations
 
@@ -6,125 +6,140 @@ from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
-import scipy.linalg as sla
 
-from floquet.boundary.resonance import Modes, Resonance
-from floquet.oracle import Subsystem, eigensystem, modulation, period_map, propagate, reduce_system, steps_of_period
-from periodic import PeriodicSystem, SystemFamily
+from floquet.boundary.solutions import Solutions
+from floquet.kind import Kind
 from periodic.checks import ComplexArray
 
-# Tolerance of the integration. The series cost little more than at 1e-11, and an edge is only as good as the
-# multipliers.
-PAIR_TOLERANCE = 1e-13
 # Mean decay of the pair in one period that is rounding.
 MIN_PAIR_DECAY = 1e-11
-# Part of an eigenvector in the span of the two resonating solutions below which it is no longer one of them.
+# Part of a solution in the span of the reference below which it is no longer one of the pair.
 MIN_PAIR_PART = 0.5
-# Parts that are as large as this compared with each other do not tell which eigenvector belongs to the pair.
+# Parts that are as large as this compared with each other do not tell which solution belongs to the pair.
 COMPARABLE_PARTS = 0.9
 
 
-class LostError(Exception):
-    """The pair of multipliers can no longer be told from the others."""
-
-
-class Point(NamedTuple):
-    """The pair at one Omega: test function f, its error (NaN if not asked for), and the two solutions in (W', W)."""
-
-    Omega: float
-    value: float
-    error: float
-    multipliers: ComplexArray
-    solutions: ComplexArray
-
-
-class Pair:
-    """The pair of multipliers of one resonance.
+class Reference(NamedTuple):
+    """What a pair is recognised by.
 
     Attributes
     ----------
-    coupled : bool
-        Whether the two modes belong to the same subsystem: if not, nothing can make them unstable together.
-    strength : float
-        Relative change of stiffness by the excitation at eps = 1.
+    solutions : ndarray of complex, shape (2n, 2)
+        Its initial values in (W', W) at a point near by.
     lock : float or None
-        The point at which the two multipliers meet if both belong to one mode, +1 or -1.
+        The multiplier at which the two meet if both belong to one mode, +1 or -1.
+    decay : float
+        Sum of the decay rates of the two modes without excitation.
     """
 
-    def __init__(self, family: SystemFamily, resonance: Resonance, modes: Modes) -> None:
-        self.family = family
-        self.solutions, self.decay = modes.solutions(resonance), modes.decay(resonance)
-        self.slowest = resonance.centre / (2 * np.pi)
-        subsystems = reduce_system(family.at(resonance.centre), 1.0, self.slowest)
-        first, second = (_home(subsystems, solution) for solution in self.solutions.T)
-        self.coupled = first is second
-        self.strength = modulation(first.equations)
-        self.lock = (-1.0) ** resonance.j if resonance.p == resonance.q else None
-        self._latest: tuple[PeriodicSystem, float, Subsystem] | None = None
+    solutions: ComplexArray
+    lock: float | None
+    decay: float
 
-    def at(self, Omega: float, eps: float, reference: ComplexArray, *, with_error: bool = False) -> Point:
-        """Return the pair: the multipliers whose eigenvectors lie most in the span of ``reference`` (2n, 2).
 
-        Raises
-        ------
-        LostError
-            If there are no two such multipliers, or no such frequency.
-        """
-        if Omega <= 0:
-            raise LostError
-        subsystem = self._subsystem(Omega, eps)
-        if with_error:
-            found = period_map(subsystem, Omega, eps, PAIR_TOLERANCE)
-            Phi, error = found.matrix, found.error
-        else:
-            Phi = propagate(
-                subsystem, Omega, eps, steps_of_period(subsystem, Omega), PAIR_TOLERANCE, np.eye(len(subsystem.from_q))
-            )
-            error = np.nan
-        mu, left, right = eigensystem(Phi)
-        span, _ = np.linalg.qr(subsystem.from_q @ reference)
-        both = self._choose(mu, span.conj().T @ right, 2 * np.pi / Omega)
-        with np.errstate(divide="ignore"):
-            condition = 1 / np.abs(np.einsum("ij,ij->j", left[:, both].conj(), right[:, both]))
-        shift = float(np.sum(condition / np.abs(mu[both])) * error)
-        value, error = instability(mu[both], self.lock, subsystem.reciprocal, shift)
-        return Point(Omega, value, error, mu[both], subsystem.to_q @ right[:, both])
+class Point(NamedTuple):
+    """A pair at one point, and whether the subsystem is unstable there.
 
-    def likeness(self, point: Point, eps: float) -> float:
-        """Return the cosine of the largest angle, in energy, between the two solutions at ``point`` and at eps = 0."""
-        from_q = self._subsystem(point.Omega, eps).from_q
-        return float(np.cos(sla.subspace_angles(from_q @ self.solutions, from_q @ point.solutions).max()))
+    Attributes
+    ----------
+    value : float
+        Test function, positive where the subsystem is unstable. That of the pair, or, where another solution grows and
+        the pair does not, the square of its growth.
+    own : float
+        Test function of the pair alone.
+    members : list of int
+        The pair among the solutions.
+    likeness : float
+        Cosine of the largest angle, in energy, between the pair and its reference.
+    reference : Reference
+        The pair as a reference for points near by.
+    found : Solutions
+    """
 
-    def _subsystem(self, Omega: float, eps: float) -> Subsystem:
-        """Return the subsystem of the pair; computed anew only if the system or eps has changed."""
-        member = self.family.at(Omega)
-        if self._latest is None or self._latest[0] is not member or self._latest[1] != eps:
-            subsystems = reduce_system(member, eps, self.slowest)
-            self._latest = (member, eps, _home(subsystems, self.solutions[:, 0]))
-        return self._latest[2]
+    value: float
+    own: float
+    members: list[int]
+    likeness: float
+    reference: Reference
+    found: Solutions
 
-    def _choose(self, mu: ComplexArray, inside: ComplexArray, T: float) -> list[int]:
-        """Return the two multipliers whose eigenvectors have large parts ``inside`` (2, count) the reference.
+    @property
+    def Omega(self) -> float:
+        """The frequency."""
+        return self.found.Omega
 
-        Where other multipliers are equal or so close that eigenvectors mix, more than two eigenvectors have, or fewer.
-        Of a single mode then one multiplier is enough: its partner is its conjugate or, both being real, the one with
-        which it has the product that the decay of the mode demands; of several such pairs the one nearest to
-        instability is taken. Of two different modes those that span the reference best are taken.
-        """
-        part = np.linalg.norm(inside, axis=0)
-        candidates = np.flatnonzero(part > max(MIN_PAIR_PART, COMPARABLE_PARTS * np.sort(part)[-2])).tolist()
-        if len(candidates) == 2:
-            return candidates
-        if self.lock is None:
-            pairs = [list(pair) for pair in combinations(candidates, 2)]
-            score = [abs(np.linalg.det(inside[:, pair])) for pair in pairs]
-        else:
-            decay = self.decay * T
-            pairs = [[first, _partner(mu, first, decay)] for first in candidates]
-            score = [instability(mu[pair], self.lock, True, 0.0)[0] for pair in pairs]
-        if not pairs:
-            raise LostError
-        return pairs[int(np.argmax(score))]
+    @property
+    def growth_rate(self) -> float:
+        """Growth rate of the pair, negative if both solutions decay."""
+        return float(np.log(np.abs(self.found.multipliers[self.members]).max()) * self.Omega / (2 * np.pi))
+
+    @property
+    def error(self) -> float:
+        """Error of ``own``."""
+        mu, shift = self.found.multipliers[self.members], self.found.sensitivity[self.members].sum() * self.found.error
+        return instability(mu, self.reference.lock, self.found.subsystem.reciprocal, float(shift))[1]
+
+    @property
+    def kind(self) -> Kind:
+        """How the subsystem is unstable, if it is: as the pair, if that is unstable."""
+        mu, growth = self.found.multipliers, self.found.growth
+        dominant = max(self.members, key=lambda i: abs(mu[i])) if self.own > 0 else int(growth.argmax())
+        if mu[dominant].imag:  # real multipliers of a real matrix are exactly real
+            return Kind.COMPLEX
+        return Kind.PLUS_ONE if mu[dominant].real > 0 else Kind.MINUS_ONE
+
+
+def judge(found: Solutions, reference: Reference) -> Point:
+    """Return the pair that lies most in the span of ``reference``, and what it and the other solutions do."""
+    subsystem, mu = found.subsystem, found.multipliers
+    span, _ = np.linalg.qr(subsystem.from_q @ reference.solutions)
+    members = _choose(found, span.conj().T @ found.vectors, reference)
+    basis, _ = np.linalg.qr(found.vectors[:, members])
+    likeness = float(np.linalg.svd(span.conj().T @ basis, compute_uv=False)[-1])
+    own, _ = instability(mu[members], reference.lock, subsystem.reciprocal, 0.0)
+    growth = float(found.growth.max())
+    value = own if own > 0 or growth <= 0 else growth**2
+    following = Reference(found.initial(members), reference.lock, reference.decay)
+    return Point(value, own, members, likeness, following, found)
+
+
+def growing(found: Solutions) -> Reference:
+    """Return the pair of the solution that grows most, as a reference for points near by."""
+    mu = found.multipliers
+    first = int(found.growth.argmax())
+    if mu[first].imag:
+        others = [i for i in range(len(mu)) if i != first and mu[i] != mu[first].conj()]
+        second = min(others, key=lambda i: abs(1 - mu[i] / mu[first] * abs(mu[first] / mu[i])), default=first)
+        return Reference(found.initial([first, second]), None, 0.0)
+    lock = float(np.sign(mu[first].real))
+    second = _partner(mu, first, 0.0)
+    return Reference(found.initial([first, second]), lock, 0.0)
+
+
+def _choose(found: Solutions, inside: ComplexArray, reference: Reference) -> list[int]:
+    """Return the two solutions that have large parts ``inside`` (2, N) the reference.
+
+    Where other multipliers are equal or so close that solutions mix, more than two have, or fewer. Of a single mode
+    then one multiplier is enough: its partner is its conjugate or, both being real, the one with which it has the
+    product that the decay of the mode demands; of several such pairs the one nearest to instability is taken. Of two
+    different modes those that span the reference best are taken.
+    """
+    mu, part = found.multipliers, np.linalg.norm(inside, axis=0)
+    order = np.argsort(-part)
+    candidates = np.flatnonzero(part > max(MIN_PAIR_PART, COMPARABLE_PARTS * part[order[1]])).tolist()
+    if len(candidates) == 2:
+        return candidates
+    if reference.lock is None:
+        pairs = [[i, k] for i, k in combinations(candidates, 2) if mu[i] != mu[k].conj()]
+        if found.subsystem.reciprocal:  # what is off the unit circle resonates with its mirror image
+            off = {i: int(np.abs(mu - 1 / mu[i].conj()).argmin()) for i in np.flatnonzero(found.growth).tolist()}
+            pairs = [[i, k] for i, k in pairs if off.get(i, k) == k and off.get(k, i) == i] or pairs
+        score = [abs(np.linalg.det(inside[:, pair])) for pair in pairs]
+    else:
+        decay = reference.decay * 2 * np.pi / found.Omega
+        pairs = [[first, second] for first in candidates for second in [_partner(mu, first, decay)] if second != first]
+        score = [instability(mu[pair], reference.lock, True, 0.0)[0] for pair in pairs]
+    return pairs[int(np.argmax(score))] if pairs else order[:2].tolist()
 
 
 def instability(mu: ComplexArray, lock: float | None, reciprocal: bool, shift: float) -> tuple[float, float]:
@@ -176,15 +191,8 @@ def instability(mu: ComplexArray, lock: float | None, reciprocal: bool, shift: f
 
 
 def _partner(mu: ComplexArray, first: int, decay: float) -> int:
-    """Return the multiplier that belongs to the same mode as ``first``."""
+    """Return the multiplier that belongs to the same mode as ``first``; itself if there is none."""
     if mu[first].imag:
         return int(np.abs(mu - mu[first].conj()).argmin())
     others = [i for i in np.flatnonzero(mu.imag == 0) if i != first]
-    if not others:
-        raise LostError
-    return int(min(others, key=lambda i: abs(np.log(abs(mu[i] * mu[first])) + decay)))
-
-
-def _home(subsystems: list[Subsystem], solution: ComplexArray) -> Subsystem:
-    """Return the subsystem that a solution belongs to."""
-    return max(subsystems, key=lambda subsystem: float(np.linalg.norm(subsystem.from_q @ solution)))
+    return int(min(others, key=lambda i: abs(np.log(abs(mu[i] * mu[first])) + decay), default=first))

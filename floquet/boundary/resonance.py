@@ -25,8 +25,9 @@ SIGNS = {"sum": 1, "difference": -1}
 # tongues get narrower by a power of eps), a difference if it is this many times nearer than a sum (most are no
 # regions at all).
 ORDER_PREFERENCE = 100.0
-# Relative distance below which `near` agrees with a resonance.
-EXACT_GUESS_DISTANCE = 1e-9
+# Relative distance below which `near` agrees with a resonance, ten times as much for one that symmetry closes: of two
+# at the same place the other one is taken.
+EXACT_GUESS_DISTANCE, EXACT_GUESS_DISTANCE_APART = 1e-9, 1e-8
 # Motion slower than this part of the fastest is no oscillation: the exponents of a free or critically damped mode are
 # off by the square root of rounding.
 MIN_RELATIVE_FREQUENCY = 1e-7
@@ -169,9 +170,16 @@ def open_types(system: PeriodicSystem) -> tuple[str, ...]:
 
 
 def nearest_resonance(
-    modes: Modes, near: float, types: Collection[str] = SIGNS, orders: Sequence[int] = ORDERS
+    modes: Modes,
+    near: float,
+    types: Collection[str] = SIGNS,
+    orders: Sequence[int] = ORDERS,
+    numbers: Collection[int] = (),
 ) -> Resonance:
     """Return the resonance of one of the ``types`` and ``orders`` that ``near`` means.
+
+    If ``numbers`` of modes are given, it is one between them. Of several at one place one that symmetry does not close
+    is taken.
 
     Raises
     ------
@@ -180,18 +188,25 @@ def nearest_resonance(
     """
     around = (1 - MAX_GUESS_DISTANCE) * near, (1 + MAX_GUESS_DISTANCE) * near
     found = resonances(modes, around, types, orders, coupled=False)
+    wanted = sorted(numbers)
+    if len(wanted) == 1:
+        found = [one for one in found if wanted[0] in (one.p, one.q)]
+    elif wanted:
+        found = [one for one in found if wanted == [one.q, one.p]]
     if not found:
         named = "(omega_p " + ("±" if len(types) > 1 else "+" if "sum" in types else "-") + " omega_q) / j"
         which = f"= {orders[0]}" if len(orders) == 1 else f"<= {orders[-1]}"
+        chosen = f" between modes {' and '.join(map(str, wanted))}" if wanted else ""
         frequencies = modes.exponents.imag
         first = ", ".join(f"{f:.6g}" for f in frequencies[:4]) or "none"
         raise NoResonanceError(
-            f"near = {near!r} is not within {MAX_GUESS_DISTANCE:.0%} of any {named} with j {which}; "
+            f"near = {near!r} is not within {MAX_GUESS_DISTANCE:.0%} of any {named} with j {which}{chosen}; "
             f"the natural frequencies are {first}{', ...' if len(frequencies) > 4 else ''}"
         )
 
     def score(one: Resonance) -> float:
         handicap = ORDER_PREFERENCE ** (one.j - 1.0) * (1.0 if one.type == "sum" else ORDER_PREFERENCE)
-        return (abs(one.centre / near - 1) + EXACT_GUESS_DISTANCE) * handicap
+        apart = modes.subsystem[one.p - 1] != modes.subsystem[one.q - 1]
+        return (abs(one.centre / near - 1) + (EXACT_GUESS_DISTANCE_APART if apart else EXACT_GUESS_DISTANCE)) * handicap
 
     return min(found, key=score)

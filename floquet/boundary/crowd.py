@@ -1,0 +1,135 @@
+"""The states that resonate together: those that excitation mixes more than their detuning keeps them apart."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from floquet.boundary.hill import Height, climb
+from floquet.boundary.pair import Point, growing, instability, judge
+from floquet.boundary.resonance import Modes, Resonance
+from floquet.boundary.solutions import Integrator, Solutions
+from floquet.boundary.walk import EDGE_RESOLUTION
+from floquet.oracle import Subsystem, constant_matrix, eigensystem
+from periodic import PeriodicSystem
+from periodic.checks import ComplexArray
+
+# Frequencies that agree to this part of Omega coincide.
+COINCIDENCE = 1e-8
+# Largest condition number of an eigenvalue whose state counts: those of free and critically damped modes are infinite.
+MAX_STATE_CONDITION = 1e6
+# Part of a growing solution in the span of the crowd from which on it is the crowd that grows.
+MIN_CROWD_PART = 0.5
+# Points of a scan.
+SCAN_POINTS = 33
+
+
+class States(NamedTuple):
+    """The free states of one subsystem, and how the excitation couples them.
+
+    Attributes
+    ----------
+    exponents : ndarray of complex, shape (N,)
+        Those of e^{lambda t}, in conjugate pairs.
+    solutions : ndarray of complex, shape (2n, N)
+        Their initial values in (W', W).
+    coupling : ndarray of complex, shape (2 J + 1, N, N)
+        First-order rates at eps = 1: [J + h, a, b] by which state b feeds state a through harmonic h.
+    """
+
+    exponents: ComplexArray
+    solutions: ComplexArray
+    coupling: ComplexArray
+
+
+def free_states(system: PeriodicSystem, subsystem: Subsystem) -> States:
+    """Return the states of a subsystem without excitation."""
+    values, left, right = eigensystem(constant_matrix(subsystem.equations))
+    overlap = np.einsum("ij,ij->j", left.conj(), right)
+    good = np.abs(overlap) > 1 / MAX_STATE_CONDITION
+    values, right, left = values[good], right[:, good], left[:, good] / overlap[good].conj()
+    n, J = system.size, system.harmonics
+    coupling = np.zeros((2 * J + 1, len(values), len(values)), complex)
+    for j in range(1, J + 1):
+        for sign in (1, -1):
+            half = -np.linalg.solve(system.mass, system.cosine[j - 1] - sign * 1j * system.sine[j - 1]) / 2
+            kick = np.zeros((2 * n, 2 * n), complex)
+            kick[:n, n:] = half
+            coupling[J + sign * j] = left.conj().T @ subsystem.from_q @ kick @ subsystem.to_q @ right
+    return States(values, subsystem.to_q @ right, coupling)
+
+
+def gather(states: States, modes: Modes, resonance: Resonance, eps: float) -> tuple[list[int], float]:
+    """Return the states that resonate together at ``eps``, and how far from the centre they may be unstable, in Omega.
+
+    A state joins if its detuning from one of them, damping included, is less than the rate at which the excitation
+    exchanges the two, or if it coincides.
+    """
+    Omega, J = resonance.centre, len(states.coupling) // 2
+    first = modes.exponents[resonance.p - 1]
+    second = modes.exponents[resonance.q - 1]
+    if resonance.sign > 0:
+        second = second.conj()
+    members = [int(np.abs(states.exponents - exponent).argmin()) for exponent in (first, second)]
+    harmonics = np.rint((states.exponents.imag - first.imag) / Omega).astype(int)
+    rest = states.exponents - 1j * harmonics * Omega
+    detuning = np.abs(rest[:, None] - rest)
+    step = harmonics[:, None] - harmonics
+    index = np.arange(len(rest))
+    rate = np.where(np.abs(step) <= J, states.coupling[np.clip(step, -J, J) + J, index[:, None], index], 0.0)
+    exchange = eps * np.sqrt(np.abs(rate * rate.T))
+    together = detuning < np.maximum(exchange, COINCIDENCE * Omega)
+    while True:
+        joined = [a for a in index.tolist() if a in members or together[a, members].any()]
+        if len(joined) == len(members):
+            break
+        members = joined
+    inner = np.ix_(members, members)
+    return members, float(detuning[inner].max() + 2 * eps * np.linalg.norm(rate[inner], 2))
+
+
+def scan(integrator: Integrator, eps: float, low: float, high: float, solutions: ComplexArray) -> list[Point]:
+    """Return points between two frequencies at which solutions in the span of ``solutions`` (2n, d) grow, by Omega.
+
+    One on every hill of the test function. The tops of hills that are not high enough at the points of the scan are
+    found by parabolas.
+    """
+
+    def value(Omega: float) -> float:
+        return _value(integrator.at(Omega, eps), solutions)
+
+    grid = np.linspace(low, high, SCAN_POINTS).tolist()
+    heights = [value(Omega) for Omega in grid]
+    found = []
+    for k in range(1, SCAN_POINTS - 1):
+        if not np.isfinite(heights[k]) or heights[k] < max(heights[k - 1], heights[k + 1]):
+            continue
+        hill = [Height(grid[i], heights[i]) for i in (k, k - 1, k + 1)]
+        best = climb(hill, value, resolution=EDGE_RESOLUTION * grid[k], enough=lambda best, way: True)
+        if best.value > 0:
+            there = integrator.at(best.Omega, eps)
+            found.append(judge(there, growing(there)))
+    return found
+
+
+def _value(found: Solutions, solutions: ComplexArray) -> float:
+    """Return the test function of a crowd: that of the pair in it that is nearest to instability."""
+    span, _ = np.linalg.qr(found.subsystem.from_q @ solutions)
+    part = np.linalg.norm(span.conj().T @ found.vectors, axis=0)
+    growth = np.where(part > MIN_CROWD_PART, found.growth, 0.0)
+    if growth.max() > 0:
+        return float(growth.max() ** 2)
+    members = np.argsort(-part)[: solutions.shape[1]]
+    mu, form = found.multipliers[members], found.subsystem.form
+    sign = np.zeros(len(members))
+    if form is not None:
+        x = found.vectors[:, members]
+        sign = np.sign(np.einsum("ij,ik,kj->j", x.conj(), 1j * form, x).real)
+    values = [
+        instability(mu[[i, k]], None, found.subsystem.reciprocal, 0.0)[0]
+        for i in range(len(members))
+        for k in range(i)
+        if sign[i] * sign[k] <= 0
+    ]
+    return min(max(values, default=-np.inf), 0.0)

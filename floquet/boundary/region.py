@@ -1,0 +1,140 @@
+"""One region in one subsystem: its intervals at an amplitude, and how it is unstable."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from floquet.boundary.crowd import States, free_states, gather, scan
+from floquet.boundary.follow import Follower, Top
+from floquet.boundary.pair import Point, Reference
+from floquet.boundary.resonance import Modes, Resonance
+from floquet.boundary.solutions import Integrator, OutOfReachError, home
+from floquet.boundary.walk import EDGE_RESOLUTION, Edge, Walk
+from floquet.kind import Kind
+from floquet.oracle import modulation, reduce_system
+from periodic import SystemFamily
+
+# Regions narrower than this part of Omega count as closed.
+MIN_WIDTH = 10 * EDGE_RESOLUTION
+# How like that of the last station a pair must be to count as closed although other solutions grow at its place.
+MIN_COVERED_LIKENESS = 0.8
+# Growth in one period, in errors of log mu, below which a region counts as closed.
+MIN_GROWTH_ERRORS = 10.0
+# Growth without excitation, as part of the largest exponent, that is rounding.
+FREE_GROWTH_ROUNDING = 1e-11
+# How far a crowd is unstable by second-order effects: at most this part of its centre.
+MAX_SECOND_ORDER_REACH = 0.1
+
+
+class Found(NamedTuple):
+    """What there is at one amplitude.
+
+    Attributes
+    ----------
+    kind : Kind
+    intervals : list of (Edge, Edge)
+        From left to right.
+    growth_rate : float
+        Of the solutions that resonate, where they grow most or decay least; NaN if it is not known.
+    covered : bool
+        Whether the place of a closed region lies in that of other solutions.
+    """
+
+    kind: Kind
+    intervals: list[tuple[Edge, Edge]]
+    growth_rate: float
+    covered: bool = False
+
+
+class Region:
+    """The region of a resonance of two modes of one subsystem."""
+
+    def __init__(self, family: SystemFamily, resonance: Resonance, modes: Modes) -> None:
+        self.resonance, self.modes = resonance, modes
+        solutions, slowest = modes.solutions(resonance), resonance.centre / (2 * np.pi)
+        self.integrator = Integrator(family, solutions[:, 0], slowest)
+        member = family.at(resonance.centre)
+        subsystem = home(reduce_system(member, 1.0, slowest), solutions[:, 0])
+        self.strength = modulation(subsystem.equations)
+        self.states: States = free_states(member, subsystem)
+        lock = (-1.0) ** resonance.j if resonance.p == resonance.q else None
+        self.pair = Reference(solutions, lock, modes.decay(resonance))
+
+    @cached_property
+    def is_window(self) -> bool:
+        """Whether the subsystem is unstable without excitation, so that a window of stability is traced."""
+        exponents = self.states.exponents
+        return bool(exponents.real.max() > FREE_GROWTH_ROUNDING * np.abs(exponents).max())
+
+    @cached_property
+    def follower(self) -> Follower:
+        """The continuation of the pair in eps."""
+        resonance = self.resonance
+        sign = -1 if self.is_window else 1
+        return Follower(self.integrator, resonance.centre, resonance.j, self.pair, self.strength, sign)
+
+    def crowd(self, eps: float) -> tuple[list[int], float]:
+        """Return the states that resonate together, and how far from the centre."""
+        return gather(self.states, self.modes, self.resonance, eps)
+
+    def at(self, eps: float) -> Found:
+        """Return what there is at an amplitude."""
+        if eps == 0 or self.strength == 0:
+            growth_rate = float(self.states.exponents[self.crowd(0.0)[0]].real.max())
+            return Found(Kind.COMPLEX if self.is_window else Kind.STABLE, [], growth_rate)
+        members, reach = self.crowd(eps)
+        try:
+            if len(members) > 2 and not self.is_window:
+                points = self._scan(eps, members, reach)
+                return self._intervals(eps, points) if points else self._closed(eps)
+            return self._of_pair(eps, self.follower.top(eps))
+        except OutOfReachError:
+            return Found(Kind.UNDECIDED, [], np.nan)
+
+    def _of_pair(self, eps: float, top: Top) -> Found:
+        point = top.point
+        if self.is_window:
+            return self._intervals(eps, [point]) if point.value <= 0 else Found(point.kind, [], point.growth_rate)
+        if point.own > 0:
+            return self._intervals(eps, [point])
+        covered = point.value > 0
+        told = top.likeness >= MIN_COVERED_LIKENESS
+        return Found(Kind.STABLE if told or not covered else Kind.UNDECIDED, [], point.growth_rate, covered)
+
+    def _scan(self, eps: float, members: list[int], reach: float) -> list[Point]:
+        """Return points at which the crowd grows."""
+        centre, second_order = self.resonance.centre, (eps * self.strength) ** 2 / self.resonance.j
+        reach = max(reach, centre * min(second_order, MAX_SECOND_ORDER_REACH))
+        low, high = max(centre - reach, centre / 2), min(centre + reach, 2 * centre)
+        return scan(self.integrator, eps, low, high, self.states.solutions[:, members])
+
+    def _closed(self, eps: float) -> Found:
+        """Return that a crowd is closed, unless its place lies in another region."""
+        growth = float(self.integrator.at(self.resonance.centre, eps).growth.max())
+        rate = growth * self.resonance.centre / (2 * np.pi)
+        return Found(Kind.UNDECIDED if growth > 0 else Kind.STABLE, [], rate)
+
+    def _intervals(self, eps: float, points: list[Point]) -> Found:
+        """Return the intervals that some points lie in."""
+        best = max(points, key=lambda point: abs(point.own))
+        closed = Found(best.kind if self.is_window else Kind.STABLE, [], best.growth_rate)
+        width = 2 * np.sqrt(abs(best.own)) / (np.pi * self.resonance.j)
+        error = self.integrator.error(best.Omega, eps)
+        shift = best.found.sensitivity[best.members].max() * error
+        if width < MIN_WIDTH or np.sqrt(abs(best.own)) < MIN_GROWTH_ERRORS * shift:
+            return closed
+        walk = Walk(self.integrator, eps, self.resonance.centre, self.resonance.j, error, self.is_window)
+        found: list[tuple[Edge, Edge]] = []
+        for point in points:
+            if not found or point.Omega > found[-1][1].Omega:
+                lower, upper = walk.edge(point, -1), walk.edge(point, 1)
+                if not upper.Omega - lower.Omega < MIN_WIDTH * point.Omega:  # NaN where there is no edge
+                    found.append((lower, upper))
+                if np.isnan(upper.Omega):
+                    break
+        if not found:
+            return closed
+        return Found(Kind.STABLE if self.is_window else best.kind, found, best.growth_rate)
