@@ -6,16 +6,20 @@ of amplitudes. `overlay` draws both.
 >>> from compare import agreement
 >>> from periodic.examples import mathieu
 >>> (region,) = agreement(mathieu(), (1.5, 2.5), n_jobs=1)
->>> region.label, region.agrees, region.order.round(1).tolist()
-('2ω₁', True, [2.0, 2.0])
+>>> region.label, region.outcome.value, region.order.round(1).tolist()
+('2ω₁', 'agrees', [2.0, 2.0])
+
+An outcome is "agrees", "disagrees" or "not compared"; `Tally` counts each region once.
 
 The rooms: `compare.study` (cases and users' systems, with a report), `compare.claims` (the paper's claims),
 `compare.explorer` (pages to click in), `compare.files` (what is read and written). `default_window` suggests where to
 look.
 """
 
+from compare.outcome import Basis, Outcome, RegionAgreement
 from compare.pictures import overlay
-from compare.verdicts import RegionAgreement, agreement
+from compare.tally import Tally
+from compare.verdicts import agreement
 from compare.window import default_window
 
-__all__ = ["RegionAgreement", "agreement", "default_window", "overlay"]
+__all__ = ["Basis", "Outcome", "RegionAgreement", "Tally", "agreement", "default_window", "overlay"]

@@ -9,9 +9,19 @@ import sys
 from pathlib import Path
 
 try:
+    from compare import Outcome
     from compare.claims import ClaimVerdict, judge_claims
     from compare.files import load_case, shipped_cases, staged
-    from compare.study import CHART_POINTS, Study, Subject, own_system, run_study, system_subject, write_report
+    from compare.study import (
+        CHART_POINTS,
+        Study,
+        Subject,
+        own_system,
+        run_studies,
+        system_subject,
+        tally_of,
+        write_report,
+    )
     from compare.window import MODES_SHOWN
     from floquet.chart import TileStore
     from floquet_scripts import running
@@ -36,11 +46,13 @@ examples:
 
 A case file names a plate, a window of excitation frequencies and the regions to look at closely; docs/cases.md lists
 its keys. Of a system, the regions of its lowest modes are judged (--modes). Give a window by --Omega and --eps, or
-leave it to the program, which takes one that shows their main regions. Theory is for small ε. There its gap to the
-integrated boundaries has to shrink like ε²; the report says how far it holds beyond.
+leave it to the program, which takes one that shows their main regions. Theory is for small ε, where the excitation
+changes the stiffness of a region's modes little. There its gap to the integrated boundaries has to shrink like ε²; the
+report says how far it holds beyond.
 
-The exit status is 0 if theory and integration agree everywhere, 1 if they do not or a chart did not pass its audit by
-a second integrator, 2 if the input is wrong.
+The exit status is 0 if no region disagrees and every case or system had something to compare, 1 if a region disagrees
+or a chart did not pass its audit by a second integrator, 2 if the input is wrong, 3 if nothing disagrees but nothing
+could be compared for a case or system. Regions that were not compared are counted apart, with the reason.
 A claim of the paper that is contradicted, with counter-examples that integration confirms, is no disagreement.
 
 {running.STOPPED_RUNS_HELP}"""
@@ -104,36 +116,52 @@ def _subjects(options: argparse.Namespace) -> list[Subject]:
 
 
 def _validate(subjects: list[Subject], options: argparse.Namespace, store: TileStore) -> int:
-    studies = [_study(subject, options, store) for subject in subjects]
+    studies = run_studies(
+        subjects, n_jobs=options.jobs, quick=options.quick, progress=not options.no_progress, cache=store
+    )
+    for study in studies:
+        _print(study)
+    tally = tally_of(studies)
+    print(f"\n{tally}")
     claims = [] if options.case or options.system else _claims(options)
     with staged(options.output) as folder:
         write_report(studies, claims, folder)
-        data = {"cases": [study.to_dict() for study in studies], "claims": [claim.to_dict() for claim in claims]}
+        data = {
+            "summary": tally.to_dict(),
+            "cases": [study.to_dict() for study in studies],
+            "claims": [claim.to_dict() for claim in claims],
+        }
         text = json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False)
         (folder / "agreement.json").write_text(text, encoding="utf-8")
     print(f"\nreport.html, report.md, the pictures and agreement.json are in {options.output}")
-    return 0 if all(study.agrees for study in studies) and all(claim.is_decided for claim in claims) else 1
+    return _status(studies, claims)
 
 
-def _study(subject: Subject, options: argparse.Namespace, store: TileStore) -> Study:
-    progress = not options.no_progress
-    try:
-        study = run_study(subject, n_jobs=options.jobs, quick=options.quick, progress=progress, cache=store)
-    except ValueError as error:
-        raise ValueError(f"{subject.title}: {error}") from None
-    print(f"\n{subject.title}")
-    if subject.remark:
-        print(f"  {subject.remark}")
+def _status(studies: list[Study], claims: list[ClaimVerdict]) -> int:
+    """Return the exit status, and say why if nothing was compared."""
+    audited = all(variant.passed_audit for study in studies for variant in study.variants)
+    if tally_of(studies).wrong or not audited or not all(claim.is_decided for claim in claims):
+        return 1
+    empty = [study.subject.title for study in studies if not study.agrees]
+    for title in empty:
+        print(f"{title}: nothing was compared; the reasons stand beside the regions", file=sys.stderr)
+    return 3 if empty else 0
+
+
+def _print(study: Study) -> None:
+    print(f"\n{study.subject.title}")
+    if study.subject.remark:
+        print(f"  {study.subject.remark}")
     for variant in study.variants:
         if variant.label:
             print(f"  {variant.label}")
-        print(f"  {'region':<12}{'centre':>10}  {'width ratio':>11}  agrees  because")
+        print(f"  {'region':<12}{'centre':>10}  {'width ratio':>11}  {'outcome':<12}  because")
         for verdict in variant.verdicts:
-            ratio = f"{verdict.width_ratio[0]:.5f}" if verdict.width_ratio[0] > 0 else "closed"
-            agrees = "yes" if verdict.agrees else "NO"
-            print(f"  {verdict.label:<12}{verdict.centre:>10.4f}  {ratio:>11}  {agrees:<6}  {verdict.reason}")
+            ratios = verdict.width_ratio[verdict.width_ratio > 0]
+            ratio = f"{ratios[0]:.5f}" if ratios.size else "–"
+            outcome = verdict.outcome.value.upper() if verdict.outcome is Outcome.DISAGREES else verdict.outcome.value
+            print(f"  {verdict.label:<12}{verdict.centre:>10.4f}  {ratio:>11}  {outcome:<12}  {verdict.reason}")
         print(f"  {variant.audit}")
-    return study
 
 
 def _claims(options: argparse.Namespace) -> list[ClaimVerdict]:

@@ -13,9 +13,9 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 from tqdm import tqdm
 
+from compare.comparison import traced_curve
 from compare.explorer.variation import SWEEPABLE, varied
 from compare.files import Plate
-from compare.verdicts import traced_curve
 from floquet import Kind, monodromy
 from floquet.running import gather
 from periodic.checks import FloatArray, grid, one_of, real_number, whole_number

@@ -7,8 +7,8 @@ its charts and holds theory against integration, region by region; `write_report
 >>> from periodic.examples import mathieu
 >>> subject = Subject("mathieu", "Mathieu's equation", {"": mathieu()}, (1.5, 2.5), 0.4, points=(16, 8), modes=1)
 >>> study = run_study(subject, n_jobs=1, quick=True)
->>> [(verdict.label, verdict.agrees) for verdict in study.variants[0].verdicts]
-[('2ω₁', True)]
+>>> print(study.tally)
+1 region compared, all agree
 >>> sorted(study.figures())
 ['chart', 'regions']
 
@@ -18,7 +18,7 @@ models are integrated in their lowest modes (`lowest_modes`). `validity` says up
 
 from compare.study.limits import Validity, validity
 from compare.study.report import write_report
-from compare.study.study import Study, Subject, SystemStudy, run_study
+from compare.study.study import Study, Subject, SystemStudy, run_studies, run_study, tally_of
 from compare.study.systems import CHART_POINTS, OwnSystem, own_system, system_subject
 from compare.study.truncation import lowest_modes
 
@@ -31,8 +31,10 @@ __all__ = [
     "Validity",
     "lowest_modes",
     "own_system",
+    "run_studies",
     "run_study",
     "system_subject",
+    "tally_of",
     "validity",
     "write_report",
 ]

@@ -13,7 +13,8 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 from compare.claims import ClaimVerdict, Measured, Traced
 from compare.study.limits import validity
 from compare.study.provenance import provenance
-from compare.study.study import Study, SystemStudy
+from compare.study.study import Study, SystemStudy, tally_of
+from periodic.checks import FloatArray
 
 # Largest deviation of an edge of first order, as part of the traced width, where the report says that it holds.
 REPORTED_TOLERANCE = 0.05
@@ -59,14 +60,12 @@ def write_report(studies: Sequence[Study], claims: Sequence[ClaimVerdict], folde
         lstrip_blocks=True,
     )
     environment.filters.update(number=_number, figures=_figures, measured=_measured)
-    environment.filters.update(cell=_cell, status=_status, holds_to=_holds_to)
-    regions = [verdict for study in studies for variant in study.variants for verdict in variant.verdicts]
+    environment.filters.update(last=_last, cell=_cell, status=_status, holds_to=_holds_to)
     facts = {
         "studies": studies,
         "claims": claims,
         "pictures": pictures,
-        "judged": len(regions),
-        "agreeing": sum(verdict.agrees for verdict in regions),
+        "tally": tally_of(studies),
         "failed_charts": sum(not variant.passed_audit for study in studies for variant in study.variants),
         "tolerance": REPORTED_TOLERANCE,
         "made": provenance(studies),
@@ -93,6 +92,11 @@ def _save_pictures(study: Study, folder: Path) -> list[Picture]:
 def _number(value: float, digits: int = 5) -> str:
     """Return a number to so many digits, a dash where there is none."""
     return "–" if math.isnan(value) else f"{value:.{digits}g}"
+
+
+def _last(values: FloatArray) -> float:
+    """Return the last number, NaN if there is none."""
+    return float(values[-1]) if values.size else math.nan
 
 
 def _figures(value: float, digits: int = 5) -> str:

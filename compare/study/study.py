@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from tqdm import tqdm
 
 from compare.audit import audit_sentence
+from compare.comparison import compare_region, traced_curve
 from compare.files import Case
+from compare.outcome import RegionAgreement
 from compare.pictures import Figure, Layer, overlay, region_panels, variant_panels
-from compare.verdicts import DEFAULT_LADDER, RegionAgreement, agreement, traced_curve
+from compare.tally import Tally
+from compare.verdicts import questions
 from floquet import BoundaryTrace, StabilityChart, stability_chart
 from floquet.chart import TileStore
 from floquet.running import gather, single_blas_thread
@@ -51,8 +55,6 @@ class Subject:
         Regions between so many lowest modes are judged.
     pairs : list of (int, int), optional
         Modes whose first regions are looked at closely, in this order; the widest ones if left out.
-    ladder : tuple of float
-        Amplitudes at which theory and integration are held against each other.
     compare : {"within", "beside"}
         Whether pictures show the systems in one panel for each region, or in a panel each.
     remark : str
@@ -67,7 +69,6 @@ class Subject:
     points: tuple[int, int]
     modes: int
     pairs: Sequence[tuple[int, int]] | None = None
-    ladder: tuple[float, ...] = DEFAULT_LADDER
     compare: Literal["within", "beside"] = "within"
     remark: str = ""
 
@@ -101,6 +102,7 @@ class SystemStudy:
     ----------
     label : str
         Name of the system; empty where the subject has only one.
+    family : SystemFamily
     chart : StabilityChart
         The wide chart.
     curves : list of TransitionCurve
@@ -112,6 +114,7 @@ class SystemStudy:
     """
 
     label: str
+    family: SystemFamily
     chart: StabilityChart
     curves: list[TransitionCurve]
     panels: list[tuple[TransitionCurve, BoundaryTrace]]
@@ -137,9 +140,14 @@ class Study:
     variants: list[SystemStudy]
 
     @property
+    def tally(self) -> Tally:
+        """The regions of all systems, each counted once."""
+        return tally_of([self])
+
+    @property
     def agrees(self) -> bool:
-        """Whether theory and integration agree in every region of every variant, and every chart passed its audit."""
-        return all(variant.passed_audit and all(v.agrees for v in variant.verdicts) for variant in self.variants)
+        """Whether something was compared, nothing disagrees, and every chart passed its audit."""
+        return self.tally.agrees and all(variant.passed_audit for variant in self.variants)
 
     @property
     def chart_names(self) -> list[str]:
@@ -153,6 +161,7 @@ class Study:
             "title": self.subject.title,
             "remark": self.subject.remark,
             "agrees": self.agrees,
+            "summary": self.tally.to_dict(),
             "variants": [
                 {
                     "label": variant.label,
@@ -176,6 +185,11 @@ class Study:
         return pictures
 
 
+def tally_of(studies: Sequence[Study]) -> Tally:
+    """Return the regions of several studies, each counted once."""
+    return Tally.of((variant.family, variant.verdicts) for study in studies for variant in study.variants)
+
+
 def run_study(
     subject: Subject,
     *,
@@ -184,11 +198,25 @@ def run_study(
     progress: bool = False,
     cache: str | os.PathLike[str] | TileStore | None = None,
 ) -> Study:
-    """Compute charts, curves, traced boundaries and verdicts for every system of a subject.
+    """Compute one subject; parameters, result and errors as of `run_studies`."""
+    return run_studies([subject], n_jobs=n_jobs, quick=quick, progress=progress, cache=cache)[0]
+
+
+def run_studies(
+    subjects: Sequence[Subject],
+    *,
+    n_jobs: int = -1,
+    quick: bool = False,
+    progress: bool = False,
+    cache: str | os.PathLike[str] | TileStore | None = None,
+) -> list[Study]:
+    """Compute charts, curves, traced boundaries and verdicts for every system of several subjects.
+
+    A region that several subjects ask for is traced once, and the regions of all subjects share the workers.
 
     Parameters
     ----------
-    subject : Subject
+    subjects : sequence of Subject
         From `Subject.of_case` or `system_subject`.
     n_jobs : int
         Workers, as in joblib; -1 for all cores.
@@ -201,55 +229,93 @@ def run_study(
 
     Returns
     -------
-    Study
+    list of Study
+        In the order of ``subjects``.
 
     Raises
     ------
     ValueError
-        If a system cannot be analysed, for instance above its divergence speed, or none of its regions
-        starts in the window.
+        If a system cannot be analysed, for instance above its divergence speed, or none of its regions starts in the
+        window; the message begins with the title of the subject.
     """
     with single_blas_thread():  # the matrices are small: threads of BLAS would only fight
-        variants = [
-            _run_variant(subject, label, family, n_jobs, quick, progress, cache)
-            for label, family in subject.systems.items()
-        ]
-    return Study(subject, variants)
+        plans = [_plan(subject, label, quick) for subject in subjects for label in subject.systems]
+        charts = [_chart(plan, n_jobs, quick, progress, cache) for plan in plans]
+        compared = _once([plan.questions for plan in plans], compare_region, "boundaries", n_jobs, progress)
+        traced = _once([plan.traces for plan in plans], traced_curve, "traces", n_jobs, progress)
+    made: dict[int, list[SystemStudy]] = {}
+    for plan, chart, verdicts, traces in zip(plans, charts, compared, traced, strict=True):
+        panels = [(curve, trace) for curve, trace in zip(plan.shown, traces, strict=True) if trace is not None]
+        study = SystemStudy(plan.label, plan.family, chart, plan.curves, panels, verdicts)
+        made.setdefault(id(plan.subject), []).append(study)
+    return [Study(subject, made[id(subject)]) for subject in subjects]
 
 
-def _run_variant(
-    subject: Subject,
-    label: str,
-    family: SystemFamily,
-    n_jobs: int,
-    quick: bool,
-    progress: bool,
-    cache: str | os.PathLike[str] | TileStore | None,
-) -> SystemStudy:
-    window, eps_max = subject.window, subject.eps
-    columns, rows = QUICK_POINTS if quick else subject.points
-    curves = transition_curves(family, ((1 - WINDOW_MARGIN) * window[0], (1 + WINDOW_MARGIN) * window[1]))
-    if not any(window[0] <= curve.centre <= window[1] and max(curve.p, curve.q) <= subject.modes for curve in curves):
-        raise ValueError(
-            f"none of the regions between the {subject.modes} lowest modes starts in the window, Omega from "
-            f"{window[0]:g} to {window[1]:g}; give another window, or regions of higher modes"
-        )
-    chart = stability_chart(
-        family,
-        np.linspace(*window, columns),
-        np.linspace(0, eps_max, rows),
-        n_jobs=n_jobs,
-        progress=progress,
-        cache=cache,
-    )
-    verdicts = agreement(family, window, subject.ladder, modes=subject.modes, n_jobs=n_jobs, progress=progress)
+class _Task(NamedTuple):
+    """Something to compute: what it is, so that it is computed once, and the arguments."""
+
+    what: Hashable
+    arguments: tuple[Any, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class _Plan:
+    """One system of a subject, and what has to be computed for it."""
+
+    subject: Subject
+    label: str
+    family: SystemFamily
+    curves: list[TransitionCurve]
+    shown: list[TransitionCurve]
+    questions: list[_Task]
+    traces: list[_Task]
+
+
+def _plan(subject: Subject, label: str, quick: bool) -> _Plan:
+    family, window, eps_max = subject.systems[label], subject.window, subject.eps
+    with _titled(subject):
+        curves = transition_curves(family, ((1 - WINDOW_MARGIN) * window[0], (1 + WINDOW_MARGIN) * window[1]))
+        asked = [_Task((family, key), (theory, key, None)) for theory, key in questions(family, window, subject.modes)]
+        if not asked:
+            raise ValueError(
+                f"none of the regions between the {subject.modes} lowest modes starts in the window, Omega from "
+                f"{window[0]:g} to {window[1]:g}; give another window, or regions of higher modes"
+            )
     shown = subject.selected(curves)
     points = QUICK_TRACE_POINTS if quick else TRACE_POINTS
-    tasks = [(family, curve, _ladder(curve, eps_max, points)) for curve in shown]
-    with tqdm(desc="traces", total=len(tasks), unit="region", disable=not progress) as bar:
-        traces = gather(traced_curve, tasks, n_jobs, bar)
-    panels = [(curve, trace) for curve, trace in zip(shown, traces, strict=True) if trace is not None]
-    return SystemStudy(label, chart, curves, panels, verdicts)
+    traces = []
+    for curve in shown:
+        eps = _ladder(curve, eps_max, points)
+        traces.append(_Task((family, curve.p, curve.q, curve.j, curve.type, *eps.tolist()), (family, curve, eps)))
+    return _Plan(subject, label, family, curves, shown, asked, traces)
+
+
+def _chart(
+    plan: _Plan, n_jobs: int, quick: bool, progress: bool, cache: str | os.PathLike[str] | TileStore | None
+) -> StabilityChart:
+    columns, rows = QUICK_POINTS if quick else plan.subject.points
+    Omega, eps = np.linspace(*plan.subject.window, columns), np.linspace(0, plan.subject.eps, rows)
+    with _titled(plan.subject):
+        return stability_chart(plan.family, Omega, eps, n_jobs=n_jobs, progress=progress, cache=cache)
+
+
+def _once(
+    wanted: Sequence[Sequence[_Task]], function: Callable[..., Any], name: str, n_jobs: int, progress: bool
+) -> list[list[Any]]:
+    """Return the result of every task, each computed once."""
+    different = {task.what: task.arguments for tasks in wanted for task in tasks}
+    with tqdm(desc=name, total=len(different), unit="region", disable=not progress) as bar:
+        results = dict(zip(different, gather(function, list(different.values()), n_jobs, bar), strict=True))
+    return [[results[task.what] for task in tasks] for tasks in wanted]
+
+
+@contextmanager
+def _titled(subject: Subject) -> Iterator[None]:
+    """Let errors begin with the title of the subject."""
+    try:
+        yield
+    except ValueError as error:
+        raise ValueError(f"{subject.title}: {error}") from None
 
 
 def _ladder(curve: TransitionCurve, eps_max: float, points: int) -> FloatArray:

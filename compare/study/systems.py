@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from compare.files import MATRIX_NAMES, MAX_CHART_POINTS, load_system
+from compare.rigid import elastic_part
 from compare.study.study import Subject
 from compare.study.truncation import lowest_modes
 from compare.window import MODES_SHOWN, default_window
@@ -16,10 +17,6 @@ from periodic.checks import interval, real_number, whole_number
 from periodic.system import SYMMETRY_TOLERANCE
 from perturb import gyroscopic_modes, transition_curves
 
-# Amplitudes at which theory and integration are compared, as parts of the default eps. On random systems of one to six
-# coordinates, regions run into each other at a quarter of that eps, which first order cannot know. At these amplitudes,
-# of 140 systems with 1,384 regions none disagreed but undamped ones under unsymmetric excitation.
-LADDER_PARTS = (1 / 512, 1 / 256, 1 / 128, 1 / 64)
 # Columns and rows of the chart.
 CHART_POINTS = (256, 128)
 
@@ -81,15 +78,20 @@ def own_system(
     low, high = interval("Omega_range", window, nonnegative=True)
     window = real_number("Omega_range[0]", low, positive=True), high
     eps = real_number("eps_max", eps, positive=True)
+    elastic, rigid = elastic_part(system, high)
+    system = elastic.at(high)
     small, remark = (system, "") if all_modes else lowest_modes(system, window, eps)
+    if rigid:
+        motions = "1 rigid-body motion is" if rigid == 1 else f"{rigid} rigid-body motions are"
+        set_apart = f"{motions} set apart: without stiffness, and the excitation never touches it."
+        remark = " ".join(filter(None, (set_apart, remark)))
     return OwnSystem(path, small, window, eps, remark)
 
 
 def system_subject(own: OwnSystem, *, points: tuple[int, int] = CHART_POINTS, modes: int = MODES_SHOWN) -> Subject:
     """Return a system as a subject of `run_study`.
 
-    Judged are the regions between its ``modes`` lowest modes. A theory for small eps is held to small eps: to a 64th of
-    the default one at most (`LADDER_PARTS`).
+    Judged are the regions between its ``modes`` lowest modes.
 
     Raises
     ------
@@ -102,7 +104,6 @@ def system_subject(own: OwnSystem, *, points: tuple[int, int] = CHART_POINTS, mo
     try:
         found = gyroscopic_modes(own.system)
         curves = transition_curves(own.system, own.window)
-        small = min(own.eps / LADDER_PARTS[-1], default_window(own.system)[1])
     except ValueError as error:
         field = str(error).partition(" ")[0]
         name = f"{MATRIX_NAMES[field]} ({field})" if field in MATRIX_NAMES else "the system"
@@ -130,7 +131,6 @@ def system_subject(own: OwnSystem, *, points: tuple[int, int] = CHART_POINTS, mo
         eps=own.eps,
         points=(columns, rows),
         modes=modes,
-        ladder=tuple(small * rung for rung in LADDER_PARTS),
         remark=" ".join(filter(None, remarks)),
     )
 

@@ -65,8 +65,10 @@ def test_disagreement_is_status_one(case: Path, tmp_path: Path, monkeypatch: pyt
     # A theory whose edges are 1 % off the centre must be caught.
     from perturb import TransitionCurve
 
-    whole = TransitionCurve.edges
-    monkeypatch.setattr(TransitionCurve, "edges", lambda self, eps: tuple(1.01 * edge for edge in whole(self, eps)))
+    whole = TransitionCurve.merged_edges
+    monkeypatch.setattr(
+        TransitionCurve, "merged_edges", lambda self, eps: tuple(1.01 * edge for edge in whole(self, eps))
+    )
     assert main(["--case", str(case), "--output", str(tmp_path), "--no-progress", "--quick"]) == 1
 
 
@@ -136,12 +138,12 @@ def test_a_system_that_theory_gets_wrong_is_status_one(tmp_path: Path, monkeypat
     # Edges whose slope is one per cent off: no shift of a centre that a chart would show.
     from perturb import TransitionCurve
 
-    whole = TransitionCurve.edges
+    whole = TransitionCurve.merged_edges
 
     def wider(self: TransitionCurve, eps: Any) -> tuple[object, ...]:
         return tuple(self.centre + 1.01 * (edge - self.centre) for edge in whole(self, eps))
 
-    monkeypatch.setattr(TransitionCurve, "edges", wider)
+    monkeypatch.setattr(TransitionCurve, "merged_edges", wider)
     save_system(tmp_path / "one.npz", mathieu())
     arguments = ["--system", str(tmp_path / "one.npz"), "--quick", "--no-progress", "--output", str(tmp_path / "out")]
     assert main(arguments) == 1
@@ -183,3 +185,23 @@ def test_wrong_systems_are_one_sentence_and_write_nothing(
     assert wanted in error
     assert "Traceback" not in error
     assert not Path("output").exists()
+
+
+def test_nothing_compared_is_status_three_with_a_sentence(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    np.savez(tmp_path / "still.npz", M=[[1.0]], K=[[1.0]], C=[[0.2]], F1c=[[1.0]])
+    arguments = ["--system", str(tmp_path / "still.npz"), "--quick", "--no-progress", "--output", str(tmp_path / "out")]
+    assert main(arguments) == 3
+    said = capsys.readouterr()
+    assert "NOTHING WAS COMPARED" in said.out
+    assert "still.npz: nothing was compared" in said.err
+    data = json.loads((tmp_path / "out" / "agreement.json").read_text(encoding="utf-8"))
+    assert data["summary"]["compared"] == 0
+
+
+def test_a_free_drivetrain_is_judged(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    chain, mesh = [[1.0, -1.0, 0.0], [-1.0, 3.0, -2.0], [0.0, -2.0, 2.0]], np.zeros((3, 3))
+    mesh[:2, :2] = [[1.0, -1.0], [-1.0, 1.0]]
+    np.savez(tmp_path / "drive.npz", M=np.eye(3), K=chain, F1c=mesh)
+    arguments = ["--system", str(tmp_path / "drive.npz"), "--quick", "--no-progress", "--output", str(tmp_path / "out")]
+    assert main(arguments) == 0
+    assert "1 rigid-body motion is set apart" in capsys.readouterr().out

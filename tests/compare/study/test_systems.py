@@ -51,10 +51,11 @@ def test_the_widest_regions_are_looked_at_closely() -> None:
     assert set(study.figures()) == {"chart", "regions"}
 
 
-def test_a_system_that_nothing_excites_is_drawn_without_panels() -> None:
+def test_of_a_system_that_nothing_excites_nothing_is_compared() -> None:
     still = PeriodicSystem([[1.0]], [[0.0]], [[0.0]], [[1.0]], [[[0.0]]])
     study = run_study(system_subject(_own(still), points=(8, 4)), n_jobs=1, quick=True)
-    assert study.agrees
+    assert not study.agrees
+    assert str(study.tally).startswith("NOTHING WAS COMPARED")
     assert set(study.figures()) == {"chart"}
 
 

@@ -1,0 +1,81 @@
+"""The amplitudes at which one region is compared, and the system on each of them.
+
+Multiple scales order the damping with the excitation, c = eps alpha (eq. (21)). On a ladder of amplitudes the damping
+therefore shrinks in step with eps, and a region that is open on one rung is open on all. The top rung is the system as
+it is given, so the top has to lie above the tip. How large it may be depends on the modes of the region: theory says up
+to which eps it is meant (`perturb.TransitionCurve.eps_max`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from periodic import PeriodicSystem, SystemFamily
+from periodic.checks import FloatArray
+
+# The top rung over the eps up to which the theory is meant, if nothing else asks for another one.
+TOP_OVER_MAX = 1 / 3
+# The top rung over the tip of a damped region. Nearer to the tip the edges turn so sharply that a small error of theory
+# moves them far.
+TOP_OVER_TIP, MIN_TOP_OVER_TIP = 1.5, 1.1
+# Rungs of a ladder at first, each half of the next; rungs added at a time below, and how often, where the gap has not
+# come to its limit yet.
+RUNGS, MORE_RUNGS, MAX_EXTENSIONS = 4, 2, 4
+
+
+@dataclass(frozen=True, eq=False)
+class DampingScaled:
+    """A family with its damping matrix multiplied by ``factor``: the system on one rung."""
+
+    family: SystemFamily
+    factor: float
+
+    def at(self, Omega: float) -> PeriodicSystem:
+        """Return the member at Omega."""
+        system = self.family.at(Omega)
+        if self.factor == 1 or not system.damping.any():
+            return system
+        return PeriodicSystem(
+            system.mass,
+            system.gyroscopic,
+            self.factor * system.damping,
+            system.stiffness,
+            system.cosine,
+            system.sine,
+        )
+
+
+class OutOfRangeError(ValueError):
+    """A region opens at an eps at which its theory is not meant any more."""
+
+
+def rungs_below(top: float, count: int = RUNGS) -> FloatArray:
+    """Return ``count`` amplitudes up to ``top``, each half of the next, increasing."""
+    return np.ldexp(top, np.arange(1 - count, 1))
+
+
+def top_rung(tip: float, eps_max: float) -> float:
+    """Return the largest amplitude at which a region with this tip is compared.
+
+    Parameters
+    ----------
+    tip : float
+        Where theory lets the region open: 0 without damping, infinite if it never opens.
+    eps_max : float
+        The eps up to which the theory is meant (`perturb.TransitionCurve.eps_max`).
+
+    Raises
+    ------
+    OutOfRangeError
+        If the region opens beyond that eps; the message says where both are.
+    """
+    usual = TOP_OVER_MAX * 0.3
+    if not np.isfinite(tip):
+        return usual
+    if MIN_TOP_OVER_TIP * tip > eps_max:
+        raise OutOfRangeError(
+            f"opens at eps = {tip:.4g}, beyond the range in which the theory is meant, eps up to {eps_max:.2g}"
+        )
+    return max(usual, min(TOP_OVER_TIP * tip, eps_max))
