@@ -34,9 +34,6 @@ EXAMPLES: dict[str, Callable[..., PeriodicSystem]] = {
     "rotor": examples.gyroscopic_rotor,
     "meissner": examples.meissner,
 }
-# What ball arithmetic does in seconds; a larger plate is cut to SMALL_TERMS unless --terms asks for more.
-MOST_COORDINATES = 6
-SMALL_TERMS = (2, 3)
 
 EPILOG = """\
 examples:
@@ -55,8 +52,9 @@ encloses every error of rounding and truncation; docs/certify.md has the proof.
   unstable   some solution grows exponentially
   undecided  neither was proved with --bits; on a boundary of stability itself no number of bits is enough
 
-A plate of more than 6 coordinates (axial times lateral terms) is cut to 2 axial and 3 lateral terms, or to those of
---terms; the verdict is about that discrete plate, whose boundaries are near those of the converged one, not the same.
+A plate of --case is proved with all terms that the case gives it. That takes seconds to minutes: longer with more terms
+and with a lower Omega. --terms takes other terms; fewer terms are another plate, whose boundaries lie elsewhere, and
+every line then names them.
 
 The exit status is 0 if every point was decided, 1 if one was not, 2 if the input is wrong or python-flint is missing
 (pip install 'floquet-charts[certify]').
@@ -67,21 +65,24 @@ def main(arguments: list[str] | None = None) -> int:
     running.steady_output()
     options = _parser().parse_args(arguments)
     try:
-        from floquet.certified import ProvedVerdict, certified_growth
+        from floquet.certified import ProvedVerdict, certified_growth, uncoupled_subsystems
 
         systems = _systems(options)
+        other = f", with {options.terms[0]} x {options.terms[1]} terms" if options.terms else ""
         decided = True
         for title, family in systems.items():
-            size = family.at(options.at[0][0]).size
-            print(f"{title} (n = {size})")
             for Omega, eps in options.at:
+                sizes = [subsystem.size for subsystem in uncoupled_subsystems(family.at(Omega), eps)]
+                parts = f" = {' + '.join(map(str, sizes))}" if len(sizes) > 1 else ""
+                print(f"{title}{other} (n = {sum(sizes)}{parts})", flush=True)
                 found = certified_growth(family, Omega, eps, max_bits=options.bits)
-                print(f"  Omega = {Omega!r}, eps = {eps!r}: {found.verdict} ({found.bits} bits)")
-                print(f"    {found.reason}")
-                print(f"    growth rate in [{found.lower!r}, {found.upper!r}]", flush=True)
+                print(f"  Omega = {Omega!r}, eps = {eps!r}{other}: {found.verdict} ({found.bits} bits)")
+                print(f"    {found.reason}{other}")
+                print(f"    growth rate in [{found.lower!r}, {found.upper!r}]{other}", flush=True)
                 decided &= found.verdict is not ProvedVerdict.UNDECIDED
     except (ValueError, ImportError) as error:
-        print(f"certify: {error}", file=sys.stderr)
+        smaller = "; --terms K,L proves a smaller plate" if "fewer coordinates" in str(error) and options.case else ""
+        print(f"certify: {error}{smaller}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         print("certify: interrupted", file=sys.stderr)
@@ -146,7 +147,7 @@ def _systems(options: argparse.Namespace) -> dict[str, SystemFamily]:
         return _example(options.example, dict(options.set))
     case = load_case(options.case)
     return {
-        f"{case.title}: {label}" if label else case.title: _small(plate, options.terms)
+        f"{case.title}: {label}" if label else case.title: _with_terms(plate, options.terms)
         for label, plate in case.systems().items()
     }
 
@@ -161,11 +162,9 @@ def _example(name: str, settings: dict[str, Any]) -> dict[str, SystemFamily]:
     return {f"{name}({', '.join(f'{key}={value!r}' for key, value in values.items())})": make(**values)}
 
 
-def _small(plate: MovingPlate, terms: tuple[int, int] | None) -> MovingPlate:
+def _with_terms(plate: MovingPlate, terms: tuple[int, int] | None) -> MovingPlate:
     if terms is None:
-        if plate.terms.coordinates <= MOST_COORDINATES:
-            return plate
-        terms = SMALL_TERMS
+        return plate
     return dataclasses.replace(plate, axial_terms=terms[0], lateral_terms=terms[1])
 
 

@@ -26,6 +26,12 @@ except ModuleNotFoundError:
         "floquet.certified needs python-flint; install the extra certify: pip install 'floquet-charts[certify]'"
     ) from None
 
-from floquet.certified.growth import CertifiedGrowth, ProvedVerdict, certified_growth, certified_monodromy
+from floquet.certified.growth import (
+    CertifiedGrowth,
+    ProvedVerdict,
+    certified_growth,
+    certified_monodromy,
+    uncoupled_subsystems,
+)
 
-__all__ = ["CertifiedGrowth", "ProvedVerdict", "certified_growth", "certified_monodromy"]
+__all__ = ["CertifiedGrowth", "ProvedVerdict", "certified_growth", "certified_monodromy", "uncoupled_subsystems"]

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 from flint import arb, arb_mat, fmpq
+from tqdm import tqdm
 
 from periodic import PeriodicSystem
 from periodic.checks import FloatArray
@@ -21,9 +22,11 @@ from periodic.checks import FloatArray
 # Length of a step times the norm that governs its Taylor coefficients. The largest term exceeds the sum by up to
 # exp(8), which costs 12 bits; longer steps save little work.
 MAX_STEP_NORM = 8.0
-# Steps in a period times the cost of a product of matrices, in multiplications: some ten seconds at 128 bits.
-# A point that needs more is refused.
-MAX_WORK = 1e6
+# Steps in a period times the cost of a product of matrices, in multiplications: some ten minutes at 128 bits. A point
+# that needs more is refused.
+MAX_WORK = 1e7
+# A bar shows the progress of what takes longer than this, in seconds.
+PROGRESS_DELAY = 2.0
 # What a product of matrices costs besides its multiplications, in multiplications.
 PRODUCT_OVERHEAD = 60
 
@@ -115,8 +118,8 @@ def equation_of_motion(system: PeriodicSystem, Omega: float, eps: float) -> Equa
     )
 
 
-def flow(equation: Equation, bits: int) -> arb_mat:
-    """Return an enclosure of the monodromy matrix, z(T) = flow z(0)."""
+def flow(equation: Equation, bits: int, *, progress: bool = False) -> arb_mat:
+    """Return an enclosure of the monodromy matrix, z(T) = flow z(0); ``progress`` shows a bar if that takes long."""
     steps, order, radius = _plan(equation, bits)
     h = 2 * arb.pi() / equation.Omega / steps
     # Taylor coefficients of -h F_j / scale in s = t / h but for the phase, all that changes from step to step
@@ -127,7 +130,9 @@ def flow(equation: Equation, bits: int) -> arb_mat:
             terms.append(terms[-1] * (2 * j * arb.pi() / (steps * i)))
         series[j, quarters] = terms
     remainder = _remainder(equation, steps, order, radius)
-    maps = [_step(equation, h, _coefficients(equation, h, series, steps, m), order) + remainder for m in range(steps)]
+    label = f"n = {equation.P.nrows()}, {bits} bits"
+    bar = tqdm(range(steps), label, unit="step", delay=PROGRESS_DELAY, leave=False, disable=not progress)
+    maps = [_step(equation, h, _coefficients(equation, h, series, steps, m), order) + remainder for m in bar]
     # by halves: in a product from one end to the other the balls would grow like the product of the steps' norms
     while len(maps) > 1:
         pairs = [later * earlier for earlier, later in zip(maps[::2], maps[1::2], strict=False)]

@@ -89,7 +89,9 @@ def certified_monodromy(family: SystemFamily, Omega: float, eps: float, *, bits:
         return to_q * flow(equation, bits) * to_q.inv()
 
 
-def certified_growth(family: SystemFamily, Omega: float, eps: float, *, max_bits: int = LAST_BITS) -> CertifiedGrowth:
+def certified_growth(
+    family: SystemFamily, Omega: float, eps: float, *, max_bits: int = LAST_BITS, progress: bool = True
+) -> CertifiedGrowth:
     """Return proved bounds of the growth rate and a proved verdict, raising the precision until one falls.
 
     Parameters
@@ -98,6 +100,8 @@ def certified_growth(family: SystemFamily, Omega: float, eps: float, *, max_bits
         As for `certified_monodromy`.
     max_bits : int
         Highest working precision, 128 to 2048. The first attempt has 128 bits, and each further one twice as many.
+    progress : bool
+        Show a bar for what takes longer than two seconds.
 
     Returns
     -------
@@ -114,7 +118,8 @@ def certified_growth(family: SystemFamily, Omega: float, eps: float, *, max_bits
     """
     system, Omega, eps = _checked(family, Omega, eps)
     max_bits = whole_number("max_bits", max_bits, least=FIRST_BITS, most=MAX_BITS)
-    found = [_growth_of_subsystem(subsystem, Omega, eps, max_bits) for subsystem in _uncoupled_subsystems(system, eps)]
+    subsystems = uncoupled_subsystems(system, eps)
+    found = [_growth_of_subsystem(subsystem, Omega, eps, max_bits, progress) for subsystem in subsystems]
     verdicts = {one.verdict for one in found}
     by_weight = (ProvedVerdict.UNSTABLE, ProvedVerdict.UNDECIDED, ProvedVerdict.STABLE)
     verdict = next(one for one in by_weight if one in verdicts)
@@ -134,7 +139,7 @@ def _checked(family: SystemFamily, Omega: float, eps: float) -> tuple[PeriodicSy
     return member_at(family, Omega, "family"), Omega, eps
 
 
-def _uncoupled_subsystems(system: PeriodicSystem, eps: float) -> Iterator[PeriodicSystem]:
+def uncoupled_subsystems(system: PeriodicSystem, eps: float) -> Iterator[PeriodicSystem]:
     """Yield the subsystems that exact zeros in all matrices uncouple; their multipliers are those of the system."""
     constant = (system.mass, system.gyroscopic, system.damping, system.stiffness)
     excitation = (*system.cosine, *system.sine) if eps else ()
@@ -148,7 +153,9 @@ def _uncoupled_subsystems(system: PeriodicSystem, eps: float) -> Iterator[Period
         yield PeriodicSystem(M, G, C, K, Fc, Fs)
 
 
-def _growth_of_subsystem(system: PeriodicSystem, Omega: float, eps: float, max_bits: int) -> CertifiedGrowth:
+def _growth_of_subsystem(
+    system: PeriodicSystem, Omega: float, eps: float, max_bits: int, progress: bool
+) -> CertifiedGrowth:
     bits = FIRST_BITS
     while True:
         with ctx.workprec(bits):
@@ -156,7 +163,7 @@ def _growth_of_subsystem(system: PeriodicSystem, Omega: float, eps: float, max_b
             if not equation.F:
                 # without excitation any period will do: in a short one no frequency is an alias of another
                 equation = equation._replace(Omega=4 * equation.scale)
-            found = _decide(equation, flow(equation, bits), bits)
+            found = _decide(equation, flow(equation, bits, progress=progress), bits)
         if found.verdict is not ProvedVerdict.UNDECIDED or 2 * bits > max_bits:
             return found
         bits *= 2
@@ -177,7 +184,7 @@ def _decide(equation: Equation, Phi: arb_mat, bits: int) -> CertifiedGrowth:
     elif upper < 0:
         verdict, reason = ProvedVerdict.STABLE, "every multiplier lies inside the unit circle"
     elif spectrum is not None and equation.reciprocal and on_unit_circle(spectrum):
-        verdict, reason = ProvedVerdict.STABLE, "every multiplier is simple, its own reciprocal, on the unit circle"
+        verdict, reason = ProvedVerdict.STABLE, "every multiplier is simple and, as its own mirror image, on the unit circle"
     elif spectrum is not None and equation.form is not None and has_definite_form(Phi, equation.form, spectrum):
         verdict, reason = ProvedVerdict.STABLE, "every motion keeps a positive definite quadratic form constant"
     else:

@@ -8,7 +8,7 @@ from numpy.polynomial import Legendre
 from numpy.typing import NDArray
 from scipy.integrate import dblquad
 
-from plate import EdgeLoad, transverse
+from plate import EdgeLoad, MovingPlate, transverse
 from plate.basis import gauss_legendre
 
 K, LATERAL, R, NU = 4, 6, 1.5, 0.3
@@ -105,3 +105,23 @@ def test_quadrature_is_exact_to_rounding(axial: int, inplane: int) -> None:
         transverse.stress_stiffness(stresses_on(pair, *highest), *pair, axial, 3, 1.0) for pair in (rules, finer)
     )
     np.testing.assert_allclose(F, exact, atol=1e-12 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize("inplane", ["membrane", "static", "dynamic"])
+@pytest.mark.parametrize(
+    ("load", "uncoupled"),
+    [
+        (EdgeLoad.uniform(), True),
+        (EdgeLoad.partial(0.5, 0.5), True),
+        (EdgeLoad.parabolic(0.5), True),
+        (EdgeLoad.linear(0.5, 1.5), False),
+        (EdgeLoad.partial(0.5, 0.5 + 1e-9), False),
+    ],
+)
+def test_a_symmetric_load_couples_even_with_odd_exactly_nowhere(load: EdgeLoad, uncoupled: bool, inplane: str) -> None:
+    plate = MovingPlate(load=load, inplane=inplane, axial_terms=2, lateral_terms=4)
+    system = plate.at(20.0)
+    parity = np.arange(system.size) % 4 % 2
+    between = parity[:, None] != parity
+    for matrices in (system.stiffness, system.cosine):
+        assert matrices[..., between].any() != uncoupled

@@ -11,7 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from floquet import monodromy
 from periodic.examples import mathieu
+from plate import MovingPlate
 from tests.paths import ROOT
 
 pytest.importorskip("flint", reason="python-flint, the extra certify, is not installed")
@@ -80,16 +82,38 @@ def test_bits_are_respected(certify: Run) -> None:
     assert "unstable" in certify("--example", "mathieu", "--at", "2,1e-60", "--bits", "512")[1]
 
 
-def test_plate_of_a_case_is_cut_to_six_coordinates(certify: Run) -> None:
-    status, output, _ = certify("--case", str(ROOT / "cases" / "fig2.toml"), "--at", "18.6,0.3")
+FIG2 = str(ROOT / "cases" / "fig2.toml")
+
+
+def test_plate_of_a_case_is_the_one_that_is_proved(certify: Run) -> None:
+    """Growth by `monodromy`; cut to 2 x 3 terms the plate has its region elsewhere and is stable here."""
+    status, output, _ = certify("--case", FIG2, "--at", "71.3,0.3")
     assert status == 0
-    assert "(n = 6)" in output
-    assert "unstable" in output
+    assert "(n = 28 = 16 + 12)" in output
+    assert ": unstable (128 bits)" in output
+    assert "terms" not in output
+    lower, upper = bounds(output)
+    assert lower <= upper
+    assert lower == pytest.approx(monodromy(MovingPlate(), 71.3, 0.3).growth_rate, abs=1e-10)
+
+
+def test_a_smaller_plate_is_named_in_every_line(certify: Run) -> None:
+    status, output, _ = certify("--case", FIG2, "--terms", "2,3", "--at", "71.3,0.3")
+    assert status == 0
+    assert ": stable" in output
+    assert all("with 2 x 3 terms" in line for line in output.splitlines())
+
+
+def test_a_plate_beyond_what_is_practical_is_refused(certify: Run) -> None:
+    status, output, message = certify("--case", FIG2, "--at", "0.001,0.3")
+    assert status == 2
+    assert "stable" not in output
+    for advice in ("higher Omega", "fewer coordinates", "--terms"):
+        assert advice in message
 
 
 def test_terms_are_respected(certify: Run) -> None:
-    case = str(ROOT / "cases" / "fig2.toml")
-    assert "(n = 2)" in certify("--case", case, "--terms", "2,1", "--at", "18.6,0.3")[1]
+    assert "(n = 2)" in certify("--case", FIG2, "--terms", "2,1", "--at", "18.6,0.3")[1]
 
 
 def test_own_matrices(certify: Run, tmp_path: Path) -> None:
