@@ -71,7 +71,7 @@ def top_rung(tip: float, eps_max: float) -> float:
     OutOfRangeError
         If the region opens beyond that eps; the message says where both are.
     """
-    usual = TOP_OVER_MAX * 0.3
+    usual = TOP_OVER_MAX * eps_max
     if not np.isfinite(tip):
         return usual
     if MIN_TOP_OVER_TIP * tip > eps_max:

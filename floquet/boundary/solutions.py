@@ -12,9 +12,9 @@ from periodic.checks import ComplexArray, FloatArray
 
 # Tolerance of the integration, relative to the norm of the matrix. The series cost little more than at 1e-11, and an
 # edge is only as good as the multipliers.
-SOLUTION_TOLERANCE = 1e-13
+TRACING_TOLERANCE = 1e-13
 # Errors of the matrix where they have not been measured, in the same unit: ten times what is aimed at.
-ASSUMED_ERROR = 10 * SOLUTION_TOLERANCE
+ASSUMED_ERROR = 10 * TRACING_TOLERANCE
 # A multiplier is off the unit circle if it is so by this many of its errors.
 CLEAR_ERRORS = 10.0
 # Solutions at so many points are kept: those of one search.
@@ -91,7 +91,7 @@ class Integrator:
             subsystem = self._subsystem(Omega, eps)
             start = np.eye(len(subsystem.from_q))
             try:
-                Phi = propagate(subsystem, Omega, eps, steps_of_period(subsystem, Omega), SOLUTION_TOLERANCE, start)
+                Phi = propagate(subsystem, Omega, eps, steps_of_period(subsystem, Omega), TRACING_TOLERANCE, start)
             except ValueError as beyond:
                 raise OutOfReachError from beyond
             if len(self._kept) == MAX_KEPT_POINTS:
@@ -102,7 +102,7 @@ class Integrator:
 
     def error(self, Omega: float, eps: float) -> float:
         """Return the measured error of the monodromy matrix at a point that `at` has reached."""
-        return float(period_map(self._subsystem(Omega, eps), Omega, eps, SOLUTION_TOLERANCE).error)
+        return float(period_map(self._subsystem(Omega, eps), Omega, eps, TRACING_TOLERANCE).error)
 
     def _subsystem(self, Omega: float, eps: float) -> Subsystem:
         """Return the subsystem at a point; reduced anew only if the system or eps has changed."""

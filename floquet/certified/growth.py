@@ -184,7 +184,10 @@ def _decide(equation: Equation, Phi: arb_mat, bits: int) -> CertifiedGrowth:
     elif upper < 0:
         verdict, reason = ProvedVerdict.STABLE, "every multiplier lies inside the unit circle"
     elif spectrum is not None and equation.reciprocal and on_unit_circle(spectrum):
-        verdict, reason = ProvedVerdict.STABLE, "every multiplier is simple and, as its own mirror image, on the unit circle"
+        verdict, reason = (
+            ProvedVerdict.STABLE,
+            "every multiplier is simple and, as its own mirror image, on the unit circle",
+        )
     elif spectrum is not None and equation.form is not None and has_definite_form(Phi, equation.form, spectrum):
         verdict, reason = ProvedVerdict.STABLE, "every motion keeps a positive definite quadratic form constant"
     else:

@@ -95,6 +95,14 @@ def test_resonances_that_coincide_are_one_region_and_not_blamed_on_theory() -> N
     assert tally.compared + tally.integrated + sum(tally.left.values()) == 1
 
 
+def test_theory_takes_resonances_that_coincide_together() -> None:
+    # omega_2 = 3 omega_1: 2 omega_1 and omega_2 - omega_1 are one frequency, which a pair of modes alone does not see.
+    one = np.eye(2)
+    system = PeriodicSystem(one, 0 * one, 0 * one, np.diag([1.0, 9.0]), [[[1.0, 0.5], [0.5, 1.0]]])
+    verdicts = {verdict.label: verdict for verdict in agreement(system, (1.9, 2.1))}
+    assert verdicts["2ω₁"].agrees
+
+
 def test_what_integration_cannot_tell_is_no_agreement(monkeypatch: pytest.MonkeyPatch) -> None:
     def undecided(*arguments: object, **meant: object) -> object:
         nan = np.array([np.nan])

@@ -129,6 +129,7 @@ def test_regions_that_overlap_do_not_stand_alone() -> None:
     assert not regions("", plate, 3.0, modes=3)[1, 1].stands_alone
 
 
+@pytest.mark.filterwarnings("ignore::plate.InPlaneGrowthWarning")  # known of the small plate
 @pytest.mark.parametrize("claim", CLAIMS, ids=lambda claim: claim.__name__)
 def test_every_claim_is_decided_on_a_small_plate(claim: Callable[[ClaimRange], ClaimVerdict]) -> None:
     verdict = claim(SMALL)
