@@ -18,7 +18,7 @@ from floquet.oracle import modulation, reduce_system
 from periodic import SystemFamily
 
 # Regions narrower than this part of Omega count as closed.
-MIN_REGION_WIDTH = 10 * EDGE_RESOLUTION
+MIN_OPEN_WIDTH = 10 * EDGE_RESOLUTION
 # How like that of the last station a pair must be to count as closed although other solutions grow at its place.
 MIN_COVERED_LIKENESS = 0.8
 # Growth in one period, in errors of log mu, below which a region counts as closed.
@@ -124,14 +124,14 @@ class Region:
         width = 2 * np.sqrt(abs(best.own)) / (np.pi * self.resonance.j)
         error = self.integrator.error(best.Omega, eps)
         shift = best.found.sensitivity[best.members].max() * error
-        if width < MIN_REGION_WIDTH or np.sqrt(abs(best.own)) < MIN_GROWTH_ERRORS * shift:
+        if width < MIN_OPEN_WIDTH or np.sqrt(abs(best.own)) < MIN_GROWTH_ERRORS * shift:
             return closed
         walk = Walk(self.integrator, eps, self.resonance.centre, self.resonance.j, error, self.is_window)
         found: list[tuple[Edge, Edge]] = []
         for point in points:
             if not found or point.Omega > found[-1][1].Omega:
                 lower, upper = walk.edge(point, -1), walk.edge(point, 1)
-                if not upper.Omega - lower.Omega < MIN_REGION_WIDTH * point.Omega:  # NaN where there is no edge
+                if not upper.Omega - lower.Omega < MIN_OPEN_WIDTH * point.Omega:  # NaN where there is no edge
                     found.append((lower, upper))
                 if np.isnan(upper.Omega):
                     break
