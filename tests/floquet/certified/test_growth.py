@@ -266,7 +266,7 @@ def test_working_precision_is_given_back() -> None:
         ((mathieu(), 5e-324, 0.1), "higher Omega"),
         ((mathieu(), 1.0, 1e300), "steps"),
         ((mathieu(1e300), 1.0, 0.1), "steps"),
-        ((random_system(0, 30), 0.1, 0.1), "fewer coordinates"),
+        ((random_system(0, 30), 0.001, 0.1), "fewer coordinates"),
         ((PeriodicSystem([[1e-200]], [[0]], [[0]], [[1e200]], [[[1]]]), 1.0, 0.1), "units"),
     ],
 )
