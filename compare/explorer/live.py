@@ -280,4 +280,5 @@ def _joined(parts: list[StabilityChart]) -> StabilityChart:
         multiplier=joined("multiplier"),
         kind=joined("kind"),
         error=joined("error"),
+        rigid=max(part.rigid for part in parts),
     )

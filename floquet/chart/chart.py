@@ -16,7 +16,7 @@ from tqdm import tqdm
 
 from floquet.chart.audit import ChartAudit, integrate_again, sample
 from floquet.chart.checkpoint import TileStore
-from floquet.engine import Tile, chart_batch, steps_needed
+from floquet.engine import Tile, chart_batch, rigid_motions, steps_needed
 from floquet.kind import Kind
 from floquet.running import as_completed, replace_file
 from periodic import SystemFamily, member_at
@@ -50,6 +50,11 @@ class StabilityChart:
         Estimated error of log|mu|, dimensionless.
     audit : ChartAudit or None
         Some of the cells, integrated again by `monodromy`.
+    rigid : int
+        Number of rigid motions, on which no stiffness, damping or gyroscopic matrix acts and no excitation: the common
+        rotation of a drivetrain with free ends, for example. Such a motion drifts linearly, with a double multiplier 1.
+        That is no instability of the excitation, so the cells are about all other motions. Of a family whose excitation
+        leaves a motion alone at some frequencies only, it is the largest number at the ends and the middle of the grid.
 
     Raises
     ------
@@ -64,6 +69,7 @@ class StabilityChart:
     kind: NDArray[np.int8]
     error: FloatArray
     audit: ChartAudit | None = None
+    rigid: int = 0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "Omega", grid("Omega", self.Omega, positive=True))
@@ -87,7 +93,7 @@ class StabilityChart:
             If the file cannot be written.
         """
         target = _path(path)
-        arrays = {name: getattr(self, name) for name in ("Omega", "eps", *CELL_ARRAYS)}
+        arrays = {name: getattr(self, name) for name in ("Omega", "eps", *CELL_ARRAYS, "rigid")}
         if self.audit is not None:
             arrays |= {f"audit_{name}": getattr(self.audit, name) for name in AUDIT_ARRAYS}
         buffer = io.BytesIO()
@@ -110,7 +116,8 @@ class StabilityChart:
             with source.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
                 found = (arrays[f"audit_{name}"] for name in AUDIT_ARRAYS)
                 audit = ChartAudit(*found) if "audit_cells" in arrays else None
-                return cls(**{name: arrays[name] for name in ("Omega", "eps", *CELL_ARRAYS)}, audit=audit)
+                cells = {name: arrays[name] for name in ("Omega", "eps", *CELL_ARRAYS)}
+                return cls(**cells, audit=audit, rigid=int(arrays["rigid"]))
         except (KeyError, ValueError, TypeError, AttributeError, EOFError, zipfile.BadZipFile) as error:
             message = f"path = {str(path)!r} is not a saved chart ({error}); give a file that save wrote"
             raise ValueError(message) from None
@@ -129,7 +136,7 @@ class StabilityChart:
             message = "to_xarray needs the package xarray; install it with: pip install 'floquet-charts[xarray]'"
             raise ImportError(message) from None
         cells = {name: (("eps", "Omega"), getattr(self, name)) for name in CELL_ARRAYS}
-        return xarray.Dataset(cells, coords={"Omega": self.Omega, "eps": self.eps})
+        return xarray.Dataset(cells, coords={"Omega": self.Omega, "eps": self.eps}, attrs={"rigid": self.rigid})
 
 
 def stability_chart(
@@ -190,7 +197,8 @@ def stability_chart(
     store = cache if cache is None or isinstance(cache, TileStore) else TileStore(cache)
 
     few = Omega[np.unique([0, Omega.size // 2, Omega.size - 1])]
-    steps = steps_needed([family.at(float(w)) for w in few], few, eps)
+    members = [family.at(float(w)) for w in few]
+    steps = steps_needed(members, few, eps)
 
     def inputs(columns: slice) -> tuple[Any, ...]:
         return [family.at(float(w)) for w in Omega[columns]], Omega[columns], eps, steps
@@ -203,7 +211,7 @@ def stability_chart(
             for name in CELL_ARRAYS:
                 getattr(cells, name)[:, columns] = getattr(tile, name)
             bar.update(columns.stop - columns.start)
-    chart = StabilityChart(Omega, eps, *cells)
+    chart = StabilityChart(Omega, eps, *cells, rigid=max(map(rigid_motions, members)))
     return chart if audit == 0 else replace(chart, audit=_audited(family, chart, audit, n_jobs))
 
 

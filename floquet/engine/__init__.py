@@ -19,7 +19,7 @@ True
 """
 
 from floquet.engine.column import ERROR_SAFETY, Tile, chart_batch
-from floquet.engine.coordinates import Subsystem, equations, least_frequency, subsystems
+from floquet.engine.coordinates import Subsystem, equations, least_frequency, rigid_motions, subsystems
 from floquet.engine.doubling import INTERPOLATION_TOLERANCE, Sampler, Workspace
 from floquet.engine.eigen import reciprocal_pairs
 from floquet.engine.multipliers import Multipliers, ReciprocalSums, Spectra, dominant, spectra
@@ -45,6 +45,7 @@ __all__ = [
     "least_frequency",
     "log2_steps",
     "reciprocal_pairs",
+    "rigid_motions",
     "spectra",
     "steps_needed",
     "subsystems",

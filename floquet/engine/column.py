@@ -68,6 +68,9 @@ def _columns(
 ) -> Stability:
     """Return the stability of a system at some neighbouring frequencies, arrays of shape (frequencies, k)."""
     measured = _measured(Omega)
+    if not parts:  # all motions are rigid
+        nothing = np.zeros((len(Omega), len(eps)))
+        return Stability(nothing, nothing, nothing, np.full(nothing.shape, Kind.STABLE, np.int8))
     cells = []
     for subsystem in parts:
         columns = [

@@ -15,7 +15,7 @@ from periodic import PeriodicSystem
 from periodic.checks import FloatArray
 
 # Asymmetry of a matrix, and damping of a subsystem, that counts as rounding from assembling the matrices: as a part of
-# the largest entry.
+# the largest entry. What is left of a rigid motion by a matrix, as a part of the sums that cancel.
 STRUCTURE_ROUNDING = 1e-13
 
 # Cycles of the excitation in one of the least frequency, which serves as a scale where there is little stiffness.
@@ -73,12 +73,33 @@ class Equations(NamedTuple):
 
 @lru_cache(maxsize=8)  # most families have one system for all frequencies
 def subsystems(system: PeriodicSystem) -> tuple[Subsystem, ...]:
-    """Return the independent subsystems of ``system``."""
+    """Return the independent subsystems of ``system`` without its rigid motions; none if there is nothing else."""
     inverse = sla.solve_triangular(np.linalg.cholesky(system.mass), np.eye(system.size), lower=True)
     constant = np.array([system.gyroscopic, system.damping, system.stiffness])
     matrices = np.concatenate([constant, system.cosine, system.sine])
     bases = invariant_subspaces(inverse @ matrices @ inverse.T)
-    return tuple(_subsystem(system, matrices, inverse.T @ X) for X in bases)
+    return tuple(_subsystem(system, matrices, inverse.T @ X) for X in bases if not _is_rigid(matrices, inverse.T @ X))
+
+
+def rigid_motions(system: PeriodicSystem) -> int:
+    """Return the number of rigid motions of ``system``: nothing restores, damps, turns or excites them.
+
+    Such a motion drifts linearly: its multiplier 1 is double, with one eigenvector. It acts on no other motion, so that
+    the others can be judged without it.
+    """
+    return system.size - sum(len(subsystem.K) for subsystem in subsystems(system))
+
+
+def _is_rigid(matrices: FloatArray, V: FloatArray) -> bool:
+    """Return whether none of ``matrices`` (p, n, n) acts on an independent motion ``V`` (n, 1), but for rounding.
+
+    Rounding is measured against the sums that cancel, not against the largest entry: a soft spring beside a stiff one
+    is a spring.
+    """
+    if V.shape[1] > 1:
+        return False
+    acting, cancelled = np.abs(V.T @ matrices @ V), np.abs(V).T @ np.abs(matrices) @ np.abs(V)
+    return bool((acting <= STRUCTURE_ROUNDING * cancelled).all())
 
 
 def _subsystem(system: PeriodicSystem, matrices: FloatArray, V: FloatArray) -> Subsystem:

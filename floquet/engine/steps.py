@@ -35,11 +35,12 @@ def steps_needed(systems: Sequence[PeriodicSystem], Omega: FloatArray, eps: Floa
     """
     work = Workspace()
     with single_blas_thread():
-        return max(
+        needed = [
             _needed_steps(subsystem, float(frequency), eps, work)
             for system, frequency in zip(systems, Omega, strict=True)
             for subsystem in subsystems(system)
-        )
+        ]
+    return max(needed, default=MIN_STEPS_PER_CYCLE)
 
 
 def _needed_steps(subsystem: Subsystem, Omega: float, eps: FloatArray, work: Workspace) -> float:

@@ -260,7 +260,9 @@ def test_load_refuses_other_arrays(example: StabilityChart, tmp_path: Path) -> N
     np.save(tmp_path / "array.npy", np.ones(3))
     with pytest.raises(ValueError, match="is not a saved chart"):
         StabilityChart.load(tmp_path / "array.npy")
-    np.savez(path, **{name: getattr(example, name) for name in ARRAYS} | {"kind": np.zeros((2, 2), np.int8)})
+    np.savez(
+        path, **{name: getattr(example, name) for name in ARRAYS} | {"kind": np.zeros((2, 2), np.int8), "rigid": 0}
+    )
     with pytest.raises(ValueError, match="kind has shape"):
         StabilityChart.load(path)
     with pytest.raises(FileNotFoundError):

@@ -128,6 +128,20 @@ FAULTS = (
         "floquet/chart/test_chart_oracle.py",
     ),
     Fault(
+        "rigid motions are judged",
+        "floquet/engine/coordinates.py",
+        "if V.shape[1] > 1:",
+        "if V.shape[1] > 0:",
+        "floquet/chart/test_chart_rigid.py",
+    ),
+    Fault(
+        "a soft spring is none beside a stiff one",
+        "floquet/engine/coordinates.py",
+        "np.abs(V).T @ np.abs(matrices) @ np.abs(V)",
+        "np.abs(matrices).max(axis=(1, 2), keepdims=True)",
+        "floquet/chart/test_chart_rigid.py",
+    ),
+    Fault(
         "rounding in a large matrix forgotten",
         "floquet/engine/column.py",
         "* (nu if subsystem.symplectic else nu**2)",
