@@ -126,7 +126,7 @@ def trace_boundary(
     Inside each interval the system is unstable. Just outside, the subsystem of the resonance is stable: symmetry may
     divide a system into subsystems that know nothing of each other, and the region of another one may overlap.
     Coincident resonances of several subsystems have one region, the union of theirs, whichever of them ``p`` and ``q``
-    choose. Edges are looked for between half the centre and twice the centre.
+    choose. Edges are looked for between half the centre and five times the centre.
 
     The two solutions that resonate are told from the others by their initial values, which grow continuously out of
     two modes at eps = 0, and judged by a test function f that is analytic in Omega where the two multipliers coalesce,
