@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from floquet.boundary import Resonance, trace_boundary
-from floquet.regions.outlines import Column, IntervalId, Loop, components, crossings, loops
+from floquet.regions.outlines import Column, IntervalId, Loop, components, contained, crossings, loops
 from floquet.regions.scan import Scan
+from floquet.regions.widths import ExpectedTongue
 
 # A lower edge dips to a tip if it falls by more than this part of the range of eps.
 MIN_TIP_DEPTH = 0.01
@@ -24,12 +25,17 @@ WAY_UNCERTAINTY = 0.5
 # apart. From higher ones `trace_boundary` follows them.
 MAX_CLEAR_TIP = 0.05
 
+# Resonances whose centres agree to this part of themselves resonate together.
+SAME_CENTRE = 1e-7
+# So do those whose centres are in the region this far above its tip, as parts of its height.
+COMPANION_HEIGHTS = np.array([1 / 64, 1 / 32, 1 / 16])
+
 
 class Naming:
     """Finds the resonances that the regions of a scan start from."""
 
-    def __init__(self, scan: Scan) -> None:
-        self.window = scan.window
+    def __init__(self, scan: Scan, expected: Sequence[ExpectedTongue]) -> None:
+        self.window, self.expected = scan.window, expected
         self.Omega, self.columns = scan.ordered()
         self.component = {one: members for members in components(self.columns) for one in members}
         self.known: dict[int, list[Resonance]] = {}
@@ -40,16 +46,28 @@ class Naming:
         members = self.component[c, i]
         if id(members) not in self.known:
             outlines = loops(self.Omega, self.columns, members, self.window.resolution)
-            named = [self._start(outlines, c, i) for c, i in tips(self.columns, members)]
-            self.known[id(members)] = list(dict.fromkeys(one for one in named if one is not None))
+            named = [] if self.window.is_unstable_at_rest else self._named(outlines, tips(self.columns, members))
+            self.known[id(members)] = named
         return self.known[id(members)]
+
+    def _named(self, outlines: Sequence[Loop], starts: Sequence[IntervalId]) -> list[Resonance]:
+        """Return the resonances below the tips of a region, and those that resonate together with them."""
+        found = [one for one in (self._start(outlines, c, i) for c, i in starts) if one is not None]
+        bottom = min(self.columns[c][i].low for c, i in starts)
+        top = max(loop.eps.max() for loop in outlines)
+        probes = bottom + COMPANION_HEIGHTS * (top - bottom)
+        for tongue in self.expected:
+            one = tongue.resonance
+            if one in found or one.j > self.window.member.harmonics or tongue.tip >= self.window.eps_range[1]:
+                continue
+            is_inside = contained(outlines, np.full(probes.shape, one.centre), probes).all()
+            if is_inside or any(abs(one.centre - other.centre) <= SAME_CENTRE * one.centre for other in found):
+                found.append(one)
+        return sorted(dict.fromkeys(found), key=lambda one: (float(f"{one.centre:.9e}"), one.j, one.p, one.q))
 
     def _start(self, outlines: Sequence[Loop], c: int, i: int) -> Resonance | None:
         """Return the resonance below the tip of a region in interval ``i`` of column ``c``; None if there is none."""
         tip, Omega = self.columns[c][i], float(self.Omega[c])
-        beside = [interval for column in self.columns[max(c - 1, 0) : c + 2] for interval in column]
-        if sum(interval.low == 0.0 for interval in beside) > 1:
-            return None  # not at one frequency: unstable without excitation
         height = tip.high - tip.low
         amplitude = tip.low + min(max(CHORD_HEIGHT * height, MIN_CHORD_LEVERAGE * tip.low), height / 2)
         ends = crossings(outlines, amplitude)

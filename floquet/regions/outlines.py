@@ -185,6 +185,21 @@ def _crossings(Omega, eps, amplitude):  # type: ignore[no-untyped-def]
     return found[:count]
 
 
+def contained(outlines: Sequence[Loop], Omega: FloatArray, eps: FloatArray) -> NDArray[np.bool_]:
+    """Return whether points, arrays of one shape, lie inside the outlines of a region, or on an edge.
+
+    Islands run clockwise; outlines that run counterclockwise may overlap.
+    """
+    inside = np.zeros((2, *Omega.shape), dtype=int)
+    for loop in outlines:
+        box = (Omega >= loop.Omega.min()) & (Omega <= loop.Omega.max()) & (eps >= loop.eps.min())
+        box &= eps <= loop.eps.max()
+        if box.any():
+            turn = -1 if area(loop.Omega, loop.eps) < 0 else 1
+            inside[:, box] += turn * within(loop.Omega, loop.eps, Omega[box], eps[box])
+    return np.asarray((inside > 0).any(axis=0))
+
+
 @njit(cache=True, nogil=True)
 def within(outline_Omega, outline_eps, Omega, eps):  # type: ignore[no-untyped-def]
     """Return whether points (k,) lie inside a closed polyline, shape (2, k).

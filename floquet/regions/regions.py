@@ -12,7 +12,7 @@ from tqdm import tqdm
 from floquet.boundary import Resonance
 from floquet.oracle import is_unstable
 from floquet.regions.naming import Naming
-from floquet.regions.outlines import Column, IntervalId, Loop, area, components, largest_width, loops, within
+from floquet.regions.outlines import Column, IntervalId, Loop, components, contained, largest_width, loops
 from floquet.regions.scan import Scan
 from floquet.regions.segments import segments
 from floquet.regions.tongues import Tongue, max_width, trace_tongues
@@ -52,7 +52,9 @@ class Region:
         corner is not repeated at the end. ``kind`` is the `Kind` of the instability just inside. Where the region goes
         on beyond the window, the polyline follows the edge of the window.
     resonances : tuple of Resonance
-        The resonances that the region starts from, several if regions have merged; empty if none explains it.
+        The resonances that the region starts from, from the left. They are several if regions have merged, or if they
+        resonate together: with centres nearer to each other than their regions are wide, at the order of the lowest.
+        Empty if none explains the region, or if the system is unstable without excitation.
     tip : (float, float)
         Omega and eps of its lowest point.
     witness : (float, float)
@@ -93,14 +95,7 @@ class Region:
             If an argument is not real or not finite, or the shapes do not broadcast.
         """
         x, y = points(Omega, eps)
-        inside = np.zeros((2, *x.shape), dtype=int)
-        for loop in self.outlines:
-            box = (x >= loop.Omega.min()) & (x <= loop.Omega.max()) & (y >= loop.eps.min()) & (y <= loop.eps.max())
-            if box.any():
-                # islands run clockwise; tongues may overlap
-                turn = -1 if area(loop.Omega, loop.eps) < 0 else 1
-                inside[:, box] += turn * within(loop.Omega, loop.eps, x[box], y[box])
-        return np.asarray((inside > 0).any(axis=0))
+        return contained(self.outlines, x, y)
 
 
 def trace_regions(
@@ -164,7 +159,7 @@ def trace_regions(
         bar.update()
         scan.refine()
         bar.update()
-        wide = _wide_regions(scan)
+        wide = _wide_regions(scan, expected)
         bar.update()
         regions = _joined(window, wide, trace_tongues(_narrow(window, expected, wide), scan))
         bar.update()
@@ -213,18 +208,22 @@ def _joined(window: Window, wide: Sequence[Region], narrow: Sequence[Tongue]) ->
     """Return the wide regions with the tongues that they go on in, and the tongues that stand alone."""
     regions = list(wide)
     narrowest = MIN_REGION_WIDTH * window.tolerance * window.width
+
+    def named(tongue: Tongue) -> tuple[Resonance, ...]:
+        return () if window.is_unstable_at_rest else (tongue.resonance,)
+
     for tongue, loop, number in segments(narrow, [region.contains for region in wide], window):
         lowest = int(loop.eps.argmin())
         tip = (float(loop.Omega[lowest]), float(loop.eps[lowest]))
         if number is not None:
             old = regions[number]
-            names = old.resonances if tongue.resonance in old.resonances else (*old.resonances, tongue.resonance)
+            names = tuple(dict.fromkeys((*old.resonances, *named(tongue))))
             tip = min(old.tip, tip, key=lambda place: place[1])
             regions[number] = replace(old, outlines=(*old.outlines, loop), resonances=names, tip=tip)
         elif (tongue.upper - tongue.lower).max() >= narrowest:
             witness, sure = _witness(tongue, loop, window)
             if sure or is_unstable(window.family, *witness, tongue.modes):
-                regions.append(Region((loop,), (tongue.resonance,), tip, witness))
+                regions.append(Region((loop,), named(tongue), tip, witness))
     return regions
 
 
@@ -243,10 +242,10 @@ def _witness(tongue: Tongue, loop: Loop, window: Window) -> tuple[tuple[float, f
     return (float(right[widest] + left[widest]) / 2, float(loop.eps[widest])), False
 
 
-def _wide_regions(scan: Scan) -> list[Region]:
+def _wide_regions(scan: Scan, expected: Sequence[ExpectedTongue]) -> list[Region]:
     """Return the regions that the columns of a scan meet."""
     Omega, columns = scan.ordered()
-    naming = Naming(scan)
+    naming = Naming(scan, expected)
     bottom = scan.window.eps_range[0]
     shown = [[one._replace(low=max(one.low, bottom)) for one in column if one.high > bottom] for column in columns]
     found = (_region(scan, Omega, shown, members, naming) for members in components(shown))

@@ -71,6 +71,15 @@ class ExpectedTongue(NamedTuple):
     width: float
     balance: float = 1.0
 
+    @property
+    def tip(self) -> float:
+        """The amplitude at which the region begins: 0 if one of the modes is not damped."""
+        decay = self.modes.exponents.real[[self.p, self.q]].prod() * (self.modes.exponents.real[self.p] < 0)
+        rate = self.width * self.balance * self.resonance.j / 4
+        if self.modes.subsystem.reciprocal or decay <= 0:
+            return 0.0
+        return float(self.eps * (np.sqrt(decay) / max(rate, MIN_WIDTH)) ** (1 / self.resonance.j))
+
     def eps_of_width(self, width: float) -> float:
         """Return the amplitude up to which the region is not wider than ``width``, at most ``eps``."""
         return self.eps * min(1.0, (width / max(self.width, MIN_WIDTH)) ** (1 / self.resonance.j))

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from floquet.boundary import Modes, Resonance, natural_modes, open_types, resonances
+from floquet.boundary import MIN_RELATIVE_FREQUENCY, Modes, Resonance, natural_modes, open_types, resonances
 from periodic import PeriodicSystem, SystemFamily, member_at
 from periodic.checks import FloatArray
 
@@ -80,6 +80,15 @@ class Window:
     def modes(self) -> Modes:
         """Its modes at eps = 0."""
         return natural_modes(self.member, sum(self.Omega_range) / 2)
+
+    @cached_property
+    def is_unstable_at_rest(self) -> bool:
+        """Whether the system is unstable without excitation."""
+        system = self.member
+        acceleration = np.linalg.solve(system.mass, np.hstack([system.stiffness, system.gyroscopic + system.damping]))
+        free = np.block([[np.zeros_like(system.mass), np.eye(system.size)], [-acceleration]])
+        exponents = np.linalg.eigvals(free)
+        return bool(exponents.real.max() > MIN_RELATIVE_FREQUENCY * np.abs(exponents).max())
 
     @cached_property
     def resonances(self) -> list[Resonance]:

@@ -114,3 +114,71 @@ def test_stable_strips_of_an_inverted_pendulum_are_not_bridged(damping: float) -
         edge = np.flatnonzero((kind[1:] > Kind.STABLE) != (kind[:-1] > Kind.STABLE))
         wrong = np.flatnonzero((kind > Kind.STABLE) != inside)
         assert (np.abs(wrong[:, None] - edge).min(axis=1) <= 3).all()  # 1.5e-3 of the window
+
+
+ONE, ZERO = np.eye(2), np.zeros((2, 2))
+TURN = np.array([[np.cos(0.3), -np.sin(0.3)], [np.sin(0.3), np.cos(0.3)]])
+TURNED = TURN @ np.diag([1.5, 0.5]) @ TURN.T
+# a simply supported square plate, modes (1, 1), (1, 2), (2, 1), (2, 2)
+SQUARE = np.pi**2 * np.array([2.0, 5.0, 5.0, 8.0])
+
+
+@pytest.mark.parametrize(
+    ("system", "centre", "eps", "edges", "labels"),
+    [
+        # the slopes are 3/4 and 1/4: eigenvalues of the excitation over 2 omega
+        (PeriodicSystem(ONE, ZERO, ZERO, ONE, [TURNED]), 2.0, 0.1, (1.92434, 2.07427), {"2ω₁", "2ω₂"}),
+        (PeriodicSystem(ONE, ZERO, 0.02 * ONE, ONE, [TURNED]), 2.0, 0.1, None, {"2ω₁", "2ω₂"}),
+        (
+            PeriodicSystem(ONE, ZERO, 0.02 * np.diag([1.0, 2.0]), ONE, [TURNED]),
+            2.0,
+            0.1,
+            None,
+            {"2ω₁", "ω₁+ω₂", "2ω₂"},
+        ),
+        (PeriodicSystem(ONE, ZERO, ZERO, np.diag([1.0, 1.0001]), [TURNED]), 2.0, 0.1, None, {"2ω₁", "ω₁+ω₂", "2ω₂"}),
+        (
+            PeriodicSystem(
+                np.eye(4),
+                np.zeros((4, 4)),
+                np.zeros((4, 4)),
+                np.diag(SQUARE**2),
+                [-0.3 * 4 * np.pi**4 * np.diag([1.0, 1.0, 4.0, 4.0])],
+            ),
+            98.696,
+            0.4,
+            (96.792, 100.582),
+            {"2ω₂", "2ω₃"},
+        ),
+    ],
+    ids=["turned", "turned, damped", "damped unequally", "nearly equal", "square plate"],
+)
+def test_resonances_of_one_frequency_have_one_region_with_all_their_names(
+    system: PeriodicSystem, centre: float, eps: float, edges: tuple[float, float] | None, labels: set[str]
+) -> None:
+    window = (0.85 * centre, 1.15 * centre)
+    (region,) = trace_regions(system, window, (0.0, 1.5 * eps), progress=False)
+    assert {one.label for one in region.resonances} == labels
+    Omega = np.linspace(*window, 241)
+    low, high = edges or edges_by_integration(system, Omega, eps)
+    inside = Omega[region.contains(Omega, eps)]
+    assert [inside[0], inside[-1]] == pytest.approx(
+        [low, high], abs=2e-3 * (window[1] - window[0]) + Omega[1] - Omega[0]
+    )
+
+
+@pytest.mark.parametrize(("stiffness", "damping"), [((1.0, 1.6), (-0.06, 0.06)), ((1.0, 4.0), (-0.01, 0.3))])
+def test_what_is_unstable_without_excitation_has_no_names_and_its_stable_windows_are_right(
+    stiffness: tuple[float, float], damping: tuple[float, float]
+) -> None:
+    # an anti-resonance: excitation at omega_2 - omega_1 lets the damped mode quench the other
+    zero = np.zeros((2, 2))
+    system = PeriodicSystem(np.eye(2), zero, np.diag(damping), np.diag(stiffness), [[[0.0, 1.0], [1.0, 0.0]]])
+    window = (0.1, 1.5)
+    regions = trace_regions(system, window, (0.0, 0.9), progress=False)
+    assert {region.label for region in regions} == {""}
+    chart = stability_chart(
+        system, np.linspace(*window, 142)[1:-1], np.linspace(0, 0.9, 62)[1:-1], progress=False, audit=0
+    )
+    inside = np.any([region.contains(chart.Omega, chart.eps[:, None]) for region in regions], axis=0)
+    assert ((chart.kind > Kind.STABLE) != inside).mean() < 2e-3

@@ -39,6 +39,20 @@ FAULTS = (
         "floquet/regions/test_column.py",
     ),
     Fault(
+        "one name for resonances of one frequency",
+        "floquet/regions/naming.py",
+        "if is_inside or any(",
+        "if False and any(",
+        "floquet/regions/test_regions_of_crowds.py",
+    ),
+    Fault(
+        "resonances named where nothing needs excitation to grow",
+        "floquet/regions/window.py",
+        "return bool(exponents.real.max() > MIN_RELATIVE_FREQUENCY",
+        "return bool(exponents.real.max() > 1e9",
+        "floquet/regions/test_regions.py",
+    ),
+    Fault(
         "rounding taken for damping",
         "floquet/regions/widths.py",
         "slightest = -MIN_DECAY * subsystem.rate",
