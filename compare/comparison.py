@@ -91,7 +91,7 @@ def traced_curve(family: SystemFamily, curve: TransitionCurve, eps: ArrayLike) -
     """Return the region of a transition curve by integration; None where damping moves its frequencies so far that they
     do not belong to the curve any more."""
     try:
-        return trace_boundary(family, curve.centre, eps, type=curve.type, j=curve.j)
+        return trace_boundary(family, curve.centre, eps, type=curve.type, j=curve.j, p=curve.p, q=curve.q)
     except NoResonanceError:
         return None
 
