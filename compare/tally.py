@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Hashable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from compare.outcome import Basis, Outcome, RegionAgreement
 from periodic import SystemFamily
+from plate import MovingPlate
 
 # How a sentence names what was not compared, in this order.
 REASONS = {
@@ -56,9 +57,10 @@ class Tally:
         regions: dict[Hashable, RegionAgreement] = {}
         systems: set[SystemFamily] = set()
         for family, verdicts in judged:
-            systems.add(family)
+            system = identity(family)
+            systems.add(system)
             for one in verdicts:
-                key = family, frozenset((one.label, *one.coincident))
+                key = system, frozenset((one.label, *one.coincident))
                 if key not in regions or PRIORITY[one.outcome] > PRIORITY[regions[key].outcome]:
                     regions[key] = one
         count = Counter((one.basis, one.outcome) for one in regions.values())
@@ -101,6 +103,14 @@ class Tally:
         """Return plain numbers and strings, fit for JSON."""
         left = {basis.value: number for basis, number in self.left.items()}
         return {**vars(self), "left": left, "sentence": str(self)}
+
+
+def identity(family: SystemFamily) -> SystemFamily:
+    """Return what is equal for two descriptions of one system: a plate with the numbers of terms that it chose."""
+    if not isinstance(family, MovingPlate):
+        return family
+    terms = family.terms
+    return replace(family, axial_terms=terms.axial, lateral_terms=terms.lateral, inplane_terms=terms.inplane)
 
 
 def _regions(number: int) -> str:

@@ -16,7 +16,7 @@ from compare.comparison import compare_region, traced_curve
 from compare.files import Case
 from compare.outcome import RegionAgreement
 from compare.pictures import Figure, Layer, overlay, region_panels, variant_panels
-from compare.tally import Tally
+from compare.tally import Tally, identity
 from compare.verdicts import questions
 from floquet import BoundaryTrace, StabilityChart, stability_chart
 from floquet.chart import TileStore
@@ -273,9 +273,10 @@ class _Plan:
 
 def _plan(subject: Subject, label: str, quick: bool) -> _Plan:
     family, window, eps_max = subject.systems[label], subject.window, subject.eps
+    system = identity(family)
     with _titled(subject):
         curves = transition_curves(family, ((1 - WINDOW_MARGIN) * window[0], (1 + WINDOW_MARGIN) * window[1]))
-        asked = [_Task((family, key), (theory, key, None)) for theory, key in questions(family, window, subject.modes)]
+        asked = [_Task((system, key), (theory, key, None)) for theory, key in questions(family, window, subject.modes)]
         if not asked:
             raise ValueError(
                 f"none of the regions between the {subject.modes} lowest modes starts in the window, Omega from "
@@ -286,7 +287,7 @@ def _plan(subject: Subject, label: str, quick: bool) -> _Plan:
     traces = []
     for curve in shown:
         eps = _ladder(curve, eps_max, points)
-        traces.append(_Task((family, curve.p, curve.q, curve.j, curve.type, *eps.tolist()), (family, curve, eps)))
+        traces.append(_Task((system, curve.p, curve.q, curve.j, curve.type, *eps.tolist()), (family, curve, eps)))
     return _Plan(subject, label, family, curves, shown, asked, traces)
 
 

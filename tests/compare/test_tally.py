@@ -60,3 +60,11 @@ def test_a_region_with_several_names_counts_once_and_its_worst_outcome_counts() 
     other = replace(ONE, label="ω₂−ω₁", type="difference", coincident=("2ω₁",), outcome=Outcome.DISAGREES)
     tally = Tally.of([(mathieu(), [shared, other, replace(shared, outcome=Outcome.NOT_COMPARED)])])
     assert (tally.compared, tally.disagreeing, tally.left) == (1, 1, {})
+
+
+def test_a_plate_that_spells_out_the_terms_it_would_choose_is_the_same_plate() -> None:
+    chosen = MovingPlate()
+    terms = chosen.terms
+    spelled = MovingPlate(axial_terms=terms.axial, lateral_terms=terms.lateral, inplane_terms=terms.inplane)
+    tally = Tally.of([(chosen, [ONE]), (spelled, [ONE])])
+    assert (tally.systems, tally.compared) == (1, 1)

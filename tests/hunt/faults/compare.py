@@ -62,8 +62,8 @@ FAULTS = (
     Fault(
         "a region counts as often as it is shown",
         "compare/tally.py",
-        "key = family, frozenset((one.label, *one.coincident))",
-        "key = family, frozenset((one.label, str(len(regions))))",
+        "key = system, frozenset((one.label, *one.coincident))",
+        "key = system, frozenset((one.label, str(len(regions))))",
         "compare/test_tally.py",
     ),
     Fault(
