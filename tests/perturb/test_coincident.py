@@ -139,7 +139,7 @@ def test_the_gap_is_of_second_order_whatever_the_split(split: float) -> None:
 
 def test_moving_string_has_a_gap_of_second_order() -> None:
     """omega_n = n omega_1 up to the truncation: 2 omega_1, omega_3 - omega_1, omega_5 - omega_3 act together."""
-    system, eps = moving_string(0.3, 10), np.array([0.08, 0.04, 0.02])
+    system, eps = moving_string(0.3, 8), np.array([0.08, 0.04, 0.02])
     curve = sums(system, (5.0, 6.5))["2ω₁"]
     assert {"ω₃−ω₁", "ω₅−ω₃"} <= set(curve.coincident)
     gap = []

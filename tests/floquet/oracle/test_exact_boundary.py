@@ -61,7 +61,7 @@ def test_monodromy_decides_nothing_on_a_boundary(name: str) -> None:
         # log|mu| of the critical multiplier is 0
         assert abs(found.growth_rate) * 2 * np.pi <= found.log_modulus_error, k
         # known even so, while rounding is amplified by less than 1e7; a double one to the root of its error
-        if abs(k) < 2:
+        if abs(k) < 2 and 8 * k % 1 == 0:
             assert np.abs(found.multipliers - exact).min() < 1e-4, k
 
 

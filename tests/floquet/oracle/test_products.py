@@ -109,7 +109,11 @@ SYSTEMS = {
 }
 
 
-@pytest.mark.parametrize("name", SYSTEMS)
+# Proofs of three and four coordinates take half a minute each.
+LONG = {"random 2", "random 3"}
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name in LONG)) for name in SYSTEMS])
 def test_all_multipliers_are_right_to_1e_8_of_themselves(name: str) -> None:
     system, Omega, eps = SYSTEMS[name]
     found = monodromy(system, Omega, eps)
