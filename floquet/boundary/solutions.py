@@ -102,7 +102,7 @@ class Integrator:
 
     def error(self, Omega: float, eps: float) -> float:
         """Return the measured error of the monodromy matrix at a point that `at` has reached."""
-        return float(period_map(self._subsystem(Omega, eps), Omega, eps, TRACING_TOLERANCE).error)
+        return float(period_map(self._subsystem(Omega, eps), Omega, eps, TRACING_TOLERANCE, halvings=0).error)
 
     def _subsystem(self, Omega: float, eps: float) -> Subsystem:
         """Return the subsystem at a point; reduced anew only if the system or eps has changed."""

@@ -54,8 +54,13 @@ class PeriodMap(NamedTuple):
     error_in_q: float
 
 
-def period_map(subsystem: Subsystem, Omega: float, eps: float, tolerance: float) -> PeriodMap:
+def period_map(
+    subsystem: Subsystem, Omega: float, eps: float, tolerance: float, halvings: int = MAX_STEP_HALVINGS
+) -> PeriodMap:
     """Integrate one subsystem over one period and estimate the error.
+
+    The step is halved as long as that helps, ``halvings`` times at most; never for 0, so that the matrix and its error
+    are those of `propagate` with `steps_of_period`.
 
     Raises
     ------
@@ -68,7 +73,7 @@ def period_map(subsystem: Subsystem, Omega: float, eps: float, tolerance: float)
     receives = np.linalg.norm(np.stack(np.split(subsystem.from_q, 2)), 2, axis=(1, 2))
     steps = steps_of_period(subsystem, Omega)
     best = PeriodMap(np.eye(2 * m), np.inf, np.inf)
-    for _ in range(MAX_STEP_HALVINGS + 1):
+    for _ in range(halvings + 1):
         period = _integrate_period(subsystem, Omega, eps, steps, tolerance)
         defect = period.matrix @ start - propagate(subsystem, Omega, eps, 2 * steps, FINEST_SERIES_TOLERANCE, start)
         halves = np.stack(np.split(defect, 2, axis=1)) / np.sqrt(share)
