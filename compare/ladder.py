@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from periodic import PeriodicSystem, SystemFamily
+from periodic import PeriodicSystem, SystemFamily, stiffness_alone
 from periodic.checks import FloatArray
 
 # The top rung over the eps up to which the theory is meant, if nothing else asks for another one.
@@ -34,7 +34,7 @@ class DampingScaled:
 
     def at(self, Omega: float) -> PeriodicSystem:
         """Return the member at Omega."""
-        system = self.family.at(Omega)
+        system = stiffness_alone(self.family.at(Omega), "family")
         if self.factor == 1 or not system.damping.any():
             return system
         return PeriodicSystem(

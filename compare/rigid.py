@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from compare.window import RIGID_FREQUENCY
-from periodic import PeriodicSystem, SystemFamily
+from periodic import PeriodicSystem, SystemFamily, stiffness_alone
 from periodic.checks import FloatArray
 from periodic.system import SYMMETRY_TOLERANCE
 
@@ -28,7 +28,7 @@ class ElasticPart:
 
     def at(self, Omega: float) -> PeriodicSystem:
         """Return the elastic part of the member at Omega."""
-        return _projected(self.family.at(Omega), self.basis)
+        return _projected(stiffness_alone(self.family.at(Omega), "family"), self.basis)
 
 
 def elastic_part(family: SystemFamily, Omega: float) -> tuple[SystemFamily, int]:
@@ -44,7 +44,7 @@ def elastic_part(family: SystemFamily, Omega: float) -> tuple[SystemFamily, int]
     Omega : float
         Where the family is looked at.
     """
-    system = family.at(Omega)
+    system = stiffness_alone(family.at(Omega), "family")
     K = system.stiffness
     if np.abs(K - K.T).max() > SYMMETRY_TOLERANCE * np.abs(K).max():
         return family, 0

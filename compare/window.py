@@ -6,7 +6,7 @@ from math import floor, log10
 
 import numpy as np
 
-from periodic import PeriodicSystem
+from periodic import PeriodicSystem, stiffness_alone
 from periodic.checks import FloatArray
 
 # Number of lowest modes whose main regions a default window shows.
@@ -32,7 +32,7 @@ def default_window(system: PeriodicSystem) -> tuple[tuple[float, float], float]:
         If the system does not oscillate without excitation, so that it suggests no window, or its numbers are too
         large.
     """
-    scale = np.linalg.inv(np.linalg.cholesky(system.mass))
+    scale = np.linalg.inv(np.linalg.cholesky(stiffness_alone(system).mass))
     with np.errstate(over="ignore", invalid="ignore"):
         stiffness, velocity = (
             scale @ matrix @ scale.T for matrix in (system.stiffness, system.gyroscopic + system.damping)

@@ -18,6 +18,16 @@ What depends on the excitation frequency is a family: anything with a method ``a
 >>> system.at(2.0) is system
 True
 
+Any of its matrices may depend on time: `Term` is one part of one matrix, `waveforms` has how it goes with time. Systems
+x' = A(t) x are `FirstOrderSystem`.
+
+>>> from periodic import FirstOrderSystem, Term, waveforms
+>>> pulsating_damping = Term("damping", [[1.0]], waveforms.rectangular(duty=0.25), power=2)
+>>> PeriodicSystem([[1.0]], stiffness=[[1.0]], terms=[pulsating_damping]).terms[0].power
+2
+>>> FirstOrderSystem([[-1.0]], cosine=[[0.5]]).size
+1
+
 `periodic.examples` has small systems with known answers, `periodic.checks` the checks of arguments for all rooms.
 
 >>> from periodic.examples import mathieu
@@ -26,6 +36,26 @@ Traceback (most recent call last):
 ValueError: damping = -1.0 is out of range; give a number >= 0
 """
 
-from periodic.system import SYMMETRY_TOLERANCE, PeriodicSystem, SystemFamily, member_at
+from periodic import waveforms
+from periodic.family import AnyFamily, AnySystem, SystemFamily, any_member_at, member_at, stiffness_alone
+from periodic.first_order import FirstOrderSystem
+from periodic.massless import Condensed, without_massless
+from periodic.system import PeriodicSystem, check_mass
+from periodic.terms import SYMMETRY_TOLERANCE, Term
 
-__all__ = ["SYMMETRY_TOLERANCE", "PeriodicSystem", "SystemFamily", "member_at"]
+__all__ = [
+    "SYMMETRY_TOLERANCE",
+    "AnyFamily",
+    "AnySystem",
+    "Condensed",
+    "FirstOrderSystem",
+    "PeriodicSystem",
+    "SystemFamily",
+    "Term",
+    "any_member_at",
+    "check_mass",
+    "member_at",
+    "stiffness_alone",
+    "waveforms",
+    "without_massless",
+]

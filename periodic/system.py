@@ -1,86 +1,73 @@
-"""The one definition that every other package shares: a linear system with periodic stiffness."""
+"""The one definition that every other package shares: a linear system of second order with periodic coefficients."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from periodic.checks import FloatArray, is_positive_definite, real_array
+from periodic.terms import SYMMETRY_TOLERANCE, Term, absorb, checked_terms, harmonics, square, sum_of, symmetric
+from periodic.waveforms import Trigonometric
 
-# By how much two entries that should agree by symmetry may differ, in parts of the largest entry. Assembling and
-# transforming a matrix in float64 loses far less; an asymmetry that is meant is far larger.
-SYMMETRY_TOLERANCE = 1e-10
+__all__ = ["SYMMETRY_TOLERANCE", "PeriodicSystem", "check_mass"]
 
-
-class SystemFamily(Protocol):
-    """What every method of this house is given: anything with ``at(Omega)``, such as a plate.
-
-    A class that follows these rules is a model; it needs no base class and no registration.
-
-    A model must:
-
-    1. return a `PeriodicSystem` from ``at(Omega)`` for every finite Omega >= 0, the same one, to the last bit, whenever
-       it is asked for the same frequency;
-    2. keep the number of coordinates and of harmonics, and what each coordinate means, at all frequencies;
-    3. let its matrices depend on Omega smoothly if at all, but for ``cosine`` and ``sine`` at isolated resonances of
-       the excitation. Theory (`perturb`) follows modes that depend on Omega, as those of a rotor do; integration takes
-       the modes of the member at the frequency asked for;
-    4. keep subsystems apart at all frequencies if it keeps them apart at one (a symmetric load stays symmetric);
-    5. be immutable, and pickle: workers in threads, processes and on other machines call ``at`` at the same time;
-    6. raise ValueError, with argument, value and remedy, where its parameters make no system: when it is made, not when
-       ``at`` is called.
-
-    A model may rely on this:
-
-    7. nobody changes the arrays that it returns; they are read-only;
-    8. ``at`` is called about once for a column of a chart and once for a point of a traced edge, so that it may take as
-       long as integrating one point: milliseconds;
-    9. units are its own. Omega is in the units of sqrt(stiffness / mass), and eps multiplies ``cosine`` and ``sine`` as
-       they stand;
-    10. neither theory nor integration knows anything of it but what ``at`` returns.
-    """
-
-    def at(self, Omega: float) -> PeriodicSystem:
-        """Return the system at excitation frequency ``Omega``."""
-        ...
+# The lowest eigenvalue of the mass is looked at in so many phases of the fastest harmonic, and so many times closer
+# around its minimum.
+MASS_SAMPLES, MASS_ZOOMS = 33, 3
+# Part of the constant mass below which the mass counts as singular, and part of a piece that ends are moved inwards.
+MASS_INSET = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
 class PeriodicSystem:
-    """M W'' + (G + C) W' + (K + eps sum_j [F_cj cos(j Omega t) + F_sj sin(j Omega t)]) W = 0.
+    """M W'' + (G + C) W' + (K + eps sum_j [F_cj cos(j Omega t) + F_sj sin(j Omega t)]) W = 0, and further terms.
 
-    The form of eq. (11) of Young, Huang and Chiu; any linear system with periodic stiffness has it. Arrays are copied,
-    checked and made read-only. The units may be any that are consistent.
+    The form of eq. (11) of Young, Huang and Chiu; any linear system with periodic stiffness has it. ``terms`` add
+    eps^power g(Omega t) X to any of the four matrices. Arrays are copied, checked and made read-only. The units may be
+    any that are consistent.
 
     Parameters
     ----------
     mass : array_like, shape (n, n)
         M, symmetric positive definite.
-    gyroscopic : array_like, shape (n, n)
+    gyroscopic : array_like, shape (n, n), optional
         G, skew-symmetric. The plate's V G_o.
-    damping : array_like, shape (n, n)
+    damping : array_like, shape (n, n), optional
         C, symmetric. The plate's c K_oe.
-    stiffness : array_like, shape (n, n)
+    stiffness : array_like, shape (n, n), optional
         K, any real matrix. The plate's K_o.
-    cosine : array_like, shape (J, n, n)
+    cosine : array_like, shape (J, n, n) or (n, n), optional
         F_cj for j = 1..J, any real matrices. The plate's f0 F_cj.
-    sine : array_like, shape (J, n, n), optional
-        F_sj for j = 1..J; zero if left out.
+    sine : array_like, shape (J, n, n) or (n, n), optional
+        F_sj for j = 1..J.
+    terms : iterable of Term
+        Further parts of the matrices. Harmonics of the stiffness with power 1 are added to ``cosine`` and ``sine``.
+
+    Matrices that are left out are zero.
 
     Attributes
     ----------
     size : int
         n, the number of coordinates.
     harmonics : int
-        J, the number of harmonics of the excitation.
+        J, the number of matrices in ``cosine`` and in ``sine``, at least 1.
+    terms : tuple of Term
+        Those that ``cosine`` and ``sine`` do not hold; empty if only the stiffness depends on time, as in eq. (11).
 
     Raises
     ------
     ValueError
         If a matrix has the wrong shape, type or symmetry, mass is not positive definite, or an entry is not finite.
+
+    Notes
+    -----
+    Where the mass jumps, the momentum M W' goes on; where a gyroscopic matrix or a speed jumps, give the pulse of the
+    stiffness that belongs to it as a term. A mass matrix that is singular because coordinates have no mass:
+    `periodic.massless`.
     """
 
     mass: FloatArray
@@ -89,35 +76,42 @@ class PeriodicSystem:
     stiffness: FloatArray
     cosine: FloatArray
     sine: FloatArray
+    terms: tuple[Term, ...]
 
     def __init__(
         self,
         mass: ArrayLike,
-        gyroscopic: ArrayLike,
-        damping: ArrayLike,
-        stiffness: ArrayLike,
-        cosine: ArrayLike,
+        gyroscopic: ArrayLike | None = None,
+        damping: ArrayLike | None = None,
+        stiffness: ArrayLike | None = None,
+        cosine: ArrayLike | None = None,
         sine: ArrayLike | None = None,
+        *,
+        terms: Iterable[Term] = (),
     ) -> None:
         M = real_array("mass", mass, 2)
         n = M.shape[0]
-        if n == 0 or M.shape != (n, n):
-            raise ValueError(f"mass has shape {M.shape}; give a square matrix")
-        M = _symmetric("mass", M, 1)
+        M = symmetric("mass", square("mass", M, n), 1)
         if not is_positive_definite(M):
             lowest = float(np.linalg.eigvalsh(M)[0])
-            raise ValueError(f"mass has the lowest eigenvalue {lowest:.6g}; give a positive definite matrix")
-        G = _symmetric("gyroscopic", _square("gyroscopic", gyroscopic, n), -1)
-        C = _symmetric("damping", _square("damping", damping, n), 1)
-        K = _square("stiffness", stiffness, n)
-        Fc = _harmonics("cosine", cosine, n)
-        Fs = np.zeros_like(Fc) if sine is None else _harmonics("sine", sine, n)
-        if Fs.shape != Fc.shape:
+            raise ValueError(
+                f"mass has the lowest eigenvalue {lowest:.6g}; give a positive definite matrix, "
+                "or take coordinates without mass out with periodic.massless"
+            )
+        G = symmetric("gyroscopic", _matrix("gyroscopic", gyroscopic, n), -1)
+        C = symmetric("damping", _matrix("damping", damping, n), 1)
+        K = _matrix("stiffness", stiffness, n)
+        Fc = None if cosine is None else harmonics("cosine", cosine, n)
+        Fs = None if sine is None else harmonics("sine", sine, n)
+        if Fc is not None and Fs is not None and Fs.shape != Fc.shape:
             raise ValueError(f"sine has shape {Fs.shape}; give the shape of cosine, {Fc.shape}")
+        checked = checked_terms(terms, n, ("mass", "gyroscopic", "damping", "stiffness"))
+        Fc, Fs, rest = absorb(Fc, Fs, checked, n, "stiffness")
         arrays = {"mass": M, "gyroscopic": G, "damping": C, "stiffness": K, "cosine": Fc, "sine": Fs}
         for name, array in arrays.items():
             array.setflags(write=False)
             object.__setattr__(self, name, array)
+        object.__setattr__(self, "terms", rest)
 
     @property
     def size(self) -> int:
@@ -133,44 +127,55 @@ class PeriodicSystem:
         """Return the system itself: its matrices do not depend on the frequency (`SystemFamily`)."""
         return self
 
+    def matrices(self, theta: ArrayLike, eps: float) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Return M, G, C and K with all their terms at the phases ``theta`` = Omega t, without pulses.
 
-def member_at(family: Any, Omega: float, name: str = "system") -> PeriodicSystem:
-    """Return the member of ``family`` at ``Omega``.
+        Each has the shape (*theta.shape, n, n).
+        """
+        phases = np.asarray(theta, dtype=float)
+        turned = np.multiply.outer(phases, np.arange(1, self.harmonics + 1))
+        excitation = np.tensordot(np.cos(turned), self.cosine, 1) + np.tensordot(np.sin(turned), self.sine, 1)
+        M, G, C, K = (
+            getattr(self, of) + sum_of(self.terms, of, phases, eps, self.size)
+            for of in ("mass", "gyroscopic", "damping", "stiffness")
+        )
+        return M, G, C, K + eps * excitation
+
+
+def check_mass(system: PeriodicSystem, eps: float) -> None:
+    """Refuse a mass matrix that is not positive definite throughout the period.
 
     Raises
     ------
     ValueError
-        If ``family`` is no `SystemFamily`.
+        With the phase at which it is not.
     """
-    if isinstance(family, type) or not callable(getattr(family, "at", None)):
-        raise ValueError(
-            f"{name} = {family!r} is no system; give a PeriodicSystem or an object with a method at(Omega)"
-        )
-    member = family.at(Omega)
-    if not isinstance(member, PeriodicSystem):
-        raise ValueError(f"{name}.at({Omega!r}) gave {member!r}; it must give a PeriodicSystem")
-    return member
+    waves = [term.waveform for term in system.terms if term.of == "mass"]
+    if not waves:
+        return
+    jumps = sorted({0.0, 1.0, *(jump for wave in waves for jump in wave.jumps)})
+    harmonics = max([1, *(wave.harmonics for wave in waves if isinstance(wave, Trigonometric))])
+    inverse = np.linalg.inv(np.linalg.cholesky(system.mass))
+    x = (1 - np.cos(np.linspace(0, np.pi, MASS_SAMPLES * harmonics))) / 2
+    for a, b in pairwise(jumps):
+        inset = MASS_INSET * (b - a)  # ends belong to the piece on this side
+        phases = np.clip(a + (b - a) * x, a + inset, b - inset)
+        for _ in range(MASS_ZOOMS):
+            masses = system.mass + sum_of(system.terms, "mass", 2 * np.pi * phases, eps, system.size)
+            lowest = np.linalg.eigvalsh(inverse @ masses @ inverse.T)[:, 0]
+            i = int(lowest.argmin())
+            if lowest[i] <= MASS_INSET:
+                raise ValueError(
+                    f"mass at eps = {eps!r} is not positive definite at the phase {phases[i]:.6g} of the period "
+                    f"(theta = {2 * np.pi * phases[i]:.6g}); give a smaller eps"
+                )
+            phases = np.linspace(phases[max(i - 1, 0)], phases[min(i + 1, len(phases) - 1)], MASS_SAMPLES)
 
 
-def _square(name: str, value: ArrayLike, n: int) -> FloatArray:
+def _matrix(name: str, value: ArrayLike | None, n: int) -> FloatArray:
+    if value is None:
+        return np.zeros((n, n))
     array = real_array(name, value, 2)
     if array.shape != (n, n):
         raise ValueError(f"{name} has shape {array.shape}; give ({n}, {n}), as mass has")
-    return array
-
-
-def _symmetric(name: str, array: FloatArray, sign: int) -> FloatArray:
-    """Return the exactly (skew-)symmetric matrix next to ``array``; refuse what differs by more than rounding."""
-    half = 0.5 * array  # halved first: no overflow at the largest numbers
-    defect = float(np.abs(half - sign * half.T).max())
-    if defect > SYMMETRY_TOLERANCE * np.abs(half).max():
-        kind = "symmetric" if sign > 0 else "skew-symmetric"
-        raise ValueError(f"{name} is not {kind} (largest defect {2.0 * defect:.3g}); give a {kind} matrix")
-    return half + sign * half.T
-
-
-def _harmonics(name: str, value: ArrayLike, n: int) -> FloatArray:
-    array = real_array(name, value, 3)
-    if array.shape[0] == 0 or array.shape[1:] != (n, n):
-        raise ValueError(f"{name} has shape {array.shape}; give (J, {n}, {n}) with J >= 1 harmonics")
     return array

@@ -11,7 +11,7 @@ from tqdm import tqdm
 
 from floquet import Kind, StabilityChart, monodromy
 from floquet.running import gather
-from periodic import SystemFamily
+from periodic import SystemFamily, stiffness_alone
 from periodic.checks import ComplexArray, FloatArray
 
 # Places in a period at which a solution is drawn. A solution with a dozen oscillations is still smooth.
@@ -71,7 +71,7 @@ def response(family: SystemFamily, Omega: float, eps: float) -> Response:
     ValueError
         If the point cannot be integrated (see `floquet.monodromy`).
     """
-    system = family.at(Omega)
+    system = stiffness_alone(family.at(Omega), "family")
     result = monodromy(system, Omega, eps)
     values, vectors = np.linalg.eig(result.matrix)
     n = system.size

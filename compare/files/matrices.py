@@ -16,7 +16,7 @@ from scipy.io import savemat
 from compare.files.matlab_file import matrix_bytes, read_matlab
 from compare.files.matrix_market import read_matrix_market, write_matrix_market
 from compare.files.publish import staged
-from periodic import PeriodicSystem
+from periodic import PeriodicSystem, stiffness_alone
 from periodic.checks import FloatArray, real_array
 
 # Coordinates and harmonics of a system from a file. So many coordinates can still be integrated; a larger model has to
@@ -93,6 +93,7 @@ def save_system(path: str | Path, system: PeriodicSystem) -> None:
     path = _as_path(path)
     if not isinstance(system, PeriodicSystem):
         raise ValueError(f"system = {system!r} is no PeriodicSystem; give one")
+    stiffness_alone(system)
     if system.size > MAX_FILE_COORDINATES or system.harmonics > MAX_FILE_HARMONICS:
         raise ValueError(
             f"system has {system.size} coordinates and {system.harmonics} harmonics; "

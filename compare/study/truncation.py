@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import scipy.linalg as sla
 
-from periodic import PeriodicSystem
+from periodic import PeriodicSystem, stiffness_alone
 from periodic.checks import FloatArray
 from periodic.system import SYMMETRY_TOLERANCE
 from perturb import transition_curves
@@ -33,7 +33,7 @@ def lowest_modes(system: PeriodicSystem, Omega_range: tuple[float, float], eps: 
     eps : float
         Amplitude at which the change of the analytic edges is given.
     """
-    K = system.stiffness
+    K = stiffness_alone(system).stiffness
     if system.size <= MAX_WHOLE_SIZE or np.abs(K - K.T).max() > SYMMETRY_TOLERANCE * np.abs(K).max():
         return system, ""
     squares, modes = sla.eigh((K + K.T) / 2, system.mass)

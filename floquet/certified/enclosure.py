@@ -16,7 +16,7 @@ import numpy as np
 from flint import arb, arb_mat, fmpq
 from tqdm import tqdm
 
-from periodic import PeriodicSystem
+from periodic import PeriodicSystem, stiffness_alone
 from periodic.checks import FloatArray
 
 # Length of a step times the norm that governs its Taylor coefficients. The largest term exceeds the sum by up to
@@ -73,7 +73,7 @@ class Equation(NamedTuple):
 
 def equation_of_motion(system: PeriodicSystem, Omega: float, eps: float) -> Equation:
     """Return the equation with all floats taken as exact, at the working precision."""
-    basis = _exact(_modal_basis(system))
+    basis = _exact(_modal_basis(stiffness_alone(system)))
 
     def congruent(matrix: FloatArray) -> arb_mat:
         return basis.transpose() * _exact(matrix) * basis

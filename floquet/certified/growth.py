@@ -13,7 +13,7 @@ from scipy.sparse.csgraph import connected_components
 
 from floquet.certified.enclosure import Equation, block_matrix, equation_of_motion, flow, norm
 from floquet.certified.spectrum import enclosed_spectrum, has_definite_form, largest_modulus, on_unit_circle
-from periodic import PeriodicSystem, SystemFamily, member_at
+from periodic import PeriodicSystem, SystemFamily, member_at, stiffness_alone
 from periodic.checks import real_number, whole_number
 
 # Working precision of the first attempt: it decides nearly every point. Each doubling costs about four times as much.
@@ -141,6 +141,7 @@ def _checked(family: SystemFamily, Omega: float, eps: float) -> tuple[PeriodicSy
 
 def uncoupled_subsystems(system: PeriodicSystem, eps: float) -> Iterator[PeriodicSystem]:
     """Yield the subsystems that exact zeros in all matrices uncouple; their multipliers are those of the system."""
+    stiffness_alone(system)
     constant = (system.mass, system.gyroscopic, system.damping, system.stiffness)
     excitation = (*system.cosine, *system.sine) if eps else ()
     coupled = np.any(np.array((*constant, *excitation)) != 0, axis=0)

@@ -66,8 +66,13 @@ class TileStore:
             _add(digest, array)
         for system, same in groupby(systems):  # most families have one system for all columns
             _add(digest, np.array(len(list(same))))
-            for array in vars(system).values():
-                _add(digest, array)
+            digest.update(type(system).__name__.encode())
+            for name, array in vars(system).items():
+                if name != "terms":
+                    _add(digest, array)
+            for term in system.terms:
+                digest.update(repr((term.of, term.waveform, term.power)).encode())
+                _add(digest, term.matrix)
         return self.folder / f"{digest.hexdigest()}.tile"
 
     def load(self, path: Path) -> Tile | None:

@@ -11,7 +11,7 @@ import numpy as np
 import scipy.linalg as sla
 
 from floquet.engine.decoupling import invariant_subspaces
-from periodic import PeriodicSystem
+from periodic import PeriodicSystem, stiffness_alone
 from periodic.checks import FloatArray
 
 # Asymmetry of a matrix, and damping of a subsystem, that counts as rounding from assembling the matrices: as a part of
@@ -74,6 +74,7 @@ class Equations(NamedTuple):
 @lru_cache(maxsize=8)  # most families have one system for all frequencies
 def subsystems(system: PeriodicSystem) -> tuple[Subsystem, ...]:
     """Return the independent subsystems of ``system`` without its rigid motions; none if there is nothing else."""
+    stiffness_alone(system)
     inverse = sla.solve_triangular(np.linalg.cholesky(system.mass), np.eye(system.size), lower=True)
     constant = np.array([system.gyroscopic, system.damping, system.stiffness])
     matrices = np.concatenate([constant, system.cosine, system.sine])

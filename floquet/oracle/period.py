@@ -127,7 +127,7 @@ def _integrate_period(subsystem: Subsystem, Omega: float, eps: float, steps: int
         maps.append(integrate_steps(subsystem, Omega, eps, steps, SEGMENT_TOLERANCE, unit, *segment)[0])
     after = list(accumulate(maps[::-1], np.matmul, initial=unit))
     if not np.abs(after).max() <= MAX_SOLUTION:
-        raise _overflow(Omega, eps)
+        raise overflow(Omega, eps)
     growth = np.maximum(1.0, np.linalg.norm(maps, 2, axis=(1, 2)))
     durations = 2 * np.pi / Omega * np.diff(ends) / steps
     return _Period(values[-1], np.array(values[:-1]), np.array(after[-2::-1]), growth * rounding, growth * durations)
@@ -202,11 +202,12 @@ def integrate_steps(
     local = max(TRUNCATION_SHARE * tolerance / steps, FINEST_SERIES_TOLERANCE)
     status, rounding = integrate(subsystem.equations, Omega, steps, first, last, MAX_TAYLOR_TERMS, local, y1, y2)
     if status == OVERFLOWN:
-        raise _overflow(Omega, eps)
+        raise overflow(Omega, eps)
     return np.concatenate([y1, y2]), rounding
 
 
-def _overflow(Omega: float, eps: float) -> ValueError:
+def overflow(Omega: float, eps: float) -> ValueError:
+    """Return the refusal of a solution that leaves the range of floats."""
     return ValueError(
         f"eps = {eps!r} at Omega = {Omega!r}: the solution grows by more than {MAX_SOLUTION:.0e} in one period; "
         "give a smaller eps or a larger Omega"

@@ -11,7 +11,7 @@ from scipy.sparse.csgraph import connected_components
 
 from floquet.oracle.rigid import rigid_motions
 from floquet.oracle.taylor import MAX_SOLUTION, Equations
-from periodic import PeriodicSystem
+from periodic import PeriodicSystem, stiffness_alone
 from periodic.checks import FloatArray
 
 # Couplings and asymmetries below this part of the largest entry of their matrix are rounding errors of its assembly.
@@ -83,7 +83,7 @@ def reduce_system(system: PeriodicSystem, eps: float, slowest: float) -> list[Su
     ValueError
         If numbers are so large that their products would overflow.
     """
-    matrices = _matrices(system, eps)
+    matrices = _matrices(stiffness_alone(system), eps)
     scale = 1 / np.sqrt(np.diag(system.mass))
     with np.errstate(over="ignore", invalid="ignore"):
         to_unit_mass = scale[:, None] * matrices * scale
@@ -92,8 +92,8 @@ def reduce_system(system: PeriodicSystem, eps: float, slowest: float) -> list[Su
             f"mass, stiffness or excitation at eps = {eps!r}: per unit of mass, an entry exceeds {MAX_SOLUTION:.0e}; "
             "change the units or give a smaller eps"
         )
-    uncoupled = _columns(np.eye(system.size), _components(to_unit_mass))
-    separate = [basis for basis in (_without_rigid_motions(matrices, one) for one in uncoupled) if basis.size]
+    uncoupled = coordinate_sets(to_unit_mass)
+    separate = [basis for basis in (elastic_basis(matrices, one) for one in uncoupled) if basis.size]
     if not separate:
         return []
     symmetric = [part for basis in separate for part in _symmetry_parts(matrices, basis)]
@@ -106,7 +106,7 @@ def reduce_system(system: PeriodicSystem, eps: float, slowest: float) -> list[Su
 
 def rigid_basis(system: PeriodicSystem, eps: float) -> FloatArray:
     """Return the rigid motions of ``system`` at amplitude ``eps``: R (n, r) with R^T M R = I."""
-    return rigid_motions(_matrices(system, eps))
+    return rigid_motions(_matrices(stiffness_alone(system), eps))
 
 
 def constant_matrix(equations: Equations) -> FloatArray:
@@ -129,7 +129,12 @@ def _matrices(system: PeriodicSystem, eps: float) -> FloatArray:
     return np.concatenate([constant, eps * system.cosine, eps * system.sine])
 
 
-def _without_rigid_motions(matrices: FloatArray, basis: FloatArray) -> FloatArray:
+def coordinate_sets(matrices: FloatArray) -> list[FloatArray]:
+    """Return the unit vectors (n, m) of each set of coordinates that ``matrices`` (p, n, n) leave uncoupled."""
+    return _columns(np.eye(matrices.shape[1]), _components(matrices))
+
+
+def elastic_basis(matrices: FloatArray, basis: FloatArray) -> FloatArray:
     """Return a basis (n, m - r) of the motions in the space of ``basis`` (n, m) that share no mass with rigid ones."""
     inside = basis.T @ matrices @ basis
     rigid = rigid_motions(inside)
@@ -208,7 +213,7 @@ def _reduce(matrices: FloatArray, basis: FloatArray, slowest: float) -> Subsyste
     damping = modes.T @ (G + C) @ modes
     asymmetry = modes.T @ skew @ modes
     excitation = modes.T @ forces[1:] @ modes
-    w = _scales(k, excitation, slowest)
+    w = driven_scales(k, excitation, slowest)
     asymmetry /= w
     excitation /= w
     if symmetric:
@@ -233,7 +238,7 @@ def _reduce(matrices: FloatArray, basis: FloatArray, slowest: float) -> Subsyste
     )
 
 
-def _scales(k: FloatArray, excitation: FloatArray, slowest: float) -> FloatArray:
+def driven_scales(k: FloatArray, excitation: FloatArray, slowest: float) -> FloatArray:
     """Return the scales w (m,): frequencies, raised to those that the excitation alone would cause, at most
     ``slowest``."""
     driven = np.sqrt(np.abs(np.diagonal(excitation, axis1=1, axis2=2)).sum(axis=0))

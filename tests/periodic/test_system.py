@@ -74,7 +74,7 @@ def test_arrays_are_contiguous_float64() -> None:
     ("change", "says"),
     [
         (lambda a: a[..., :1], "shape"),
-        (lambda a: a[0], "shape"),
+        (lambda a: a[..., 0], "shape"),
         (lambda a: a[None], "shape"),
         (lambda a: a[:0], "shape"),
         (lambda a: a[..., :0, :0], "shape"),
@@ -94,10 +94,20 @@ def test_refuses_bad_arrays_by_name(name: str, change: Any, says: str) -> None:
         PeriodicSystem(**good(**{name: bad}))
 
 
-@pytest.mark.parametrize("name", ["mass", "gyroscopic", "damping", "stiffness", "cosine"])
-def test_none_is_no_matrix(name: str) -> None:
-    with pytest.raises(ValueError, match=rf"^{name} "):
-        PeriodicSystem(**good(**{name: None}))
+def test_none_is_no_mass() -> None:
+    with pytest.raises(ValueError, match=r"^mass "):
+        PeriodicSystem(**good(mass=None))
+
+
+@pytest.mark.parametrize("name", ["gyroscopic", "damping", "stiffness", "cosine", "sine"])
+def test_a_matrix_that_is_left_out_is_zero(name: str) -> None:
+    np.testing.assert_array_equal(getattr(PeriodicSystem(**good(**{name: None})), name), 0 * np.array(good()[name]))
+
+
+def test_one_matrix_is_that_of_the_first_harmonic() -> None:
+    system = PeriodicSystem(**good(cosine=good()["cosine"][0], sine=good()["sine"][0]))
+    np.testing.assert_array_equal(system.cosine, good()["cosine"])
+    np.testing.assert_array_equal(system.sine, good()["sine"])
 
 
 @pytest.mark.parametrize("name", ["gyroscopic", "damping", "stiffness"])
