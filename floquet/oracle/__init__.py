@@ -9,6 +9,9 @@ The room works in four steps, each in its own module:
    rounding, `factors` and `products` find them from parts of the period;
 4. `point` joins the subsystems: `monodromy` for all that is known, `is_unstable` for a quick yes or no.
 
+Systems with periodic stiffness alone, eq. (11), and those that are of this form at the amplitude asked for (`frozen`),
+take these. Any other is E(t) y' = A(t) y, and `general` takes it over a period, from jump to jump.
+
 >>> from floquet.oracle import monodromy
 >>> from periodic.examples import mathieu
 >>> found = monodromy(mathieu(), Omega=2.0, eps=0.1)

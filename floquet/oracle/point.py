@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
 
 from floquet.kind import Kind
 from floquet.oracle.factors import accurate_multipliers
+from floquet.oracle.frozen import short_form
+from floquet.oracle.general import multipliers_of, passage, split
 from floquet.oracle.multipliers import Spectrum, by_modulus, combine, spectrum
 from floquet.oracle.period import MATRIX_TOLERANCE, period_map, propagate, steps_of_period
+from floquet.oracle.products import ProductEigenvalues
 from floquet.oracle.reduction import Subsystem, reduce_system, rigid_basis
-from periodic import PeriodicSystem, SystemFamily, member_at
+from periodic import AnyFamily, AnySystem, PeriodicSystem, any_member_at
 from periodic.checks import ComplexArray, FloatArray, real_number
 
 # Smallest and largest relative error of the matrix that may be asked for.
@@ -25,12 +29,20 @@ QUICK_ERROR_FACTOR = 10
 
 
 class _Solved(NamedTuple):
-    """One subsystem at one point and what is known of its multipliers."""
+    """One subsystem at one point: what is known of its multipliers, and how to find them more accurately."""
 
-    subsystem: Subsystem
-    Omega: float
-    eps: float
     spectrum: Spectrum
+    reciprocal: bool
+    again: Callable[[], ProductEigenvalues]
+
+
+class _Period(NamedTuple):
+    """A whole system over one period: the matrix, the norm of its error, the subsystems, the count of rigid motions."""
+
+    matrix: FloatArray
+    error: float
+    solved: tuple[_Solved, ...]
+    rigid: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,12 +108,12 @@ class Monodromy:
         return result
 
 
-def monodromy(system: SystemFamily, Omega: float, eps: float, *, tolerance: float = MATRIX_TOLERANCE) -> Monodromy:
+def monodromy(system: AnyFamily, Omega: float, eps: float, *, tolerance: float = MATRIX_TOLERANCE) -> Monodromy:
     """Integrate a periodic system over one period.
 
     Parameters
     ----------
-    system : PeriodicSystem or SystemFamily
+    system : PeriodicSystem, FirstOrderSystem or SystemFamily
         The system, or a family, of which the member at ``Omega`` is taken.
     Omega : float
         Excitation frequency, > 0.
@@ -136,31 +148,64 @@ def monodromy(system: SystemFamily, Omega: float, eps: float, *, tolerance: floa
             f"tolerance = {tolerance!r} is out of range; "
             f"give a number from {MIN_MATRIX_TOLERANCE:.0e} to {MAX_MATRIX_TOLERANCE:.0e}"
         )
-    member = member_at(system, Omega)
-    subsystems = reduce_system(member, eps, Omega / (2 * np.pi))
-    maps = [period_map(subsystem, Omega, eps, tolerance) for subsystem in subsystems]
-    rigid = rigid_basis(member, eps)
-    spectra = [_spectrum(subsystem, one.matrix, one.error) for subsystem, one in zip(subsystems, maps, strict=True)]
-    joint = combine(spectra)
-    still = rigid @ rigid.T @ member.mass
-    matrix = np.block([[still, np.zeros_like(still)], [2 * np.pi / Omega * still, still]])
-    for subsystem, found in zip(subsystems, maps, strict=True):
-        matrix += subsystem.to_q @ found.matrix @ subsystem.from_q
-    error = np.linalg.norm([found.error_in_q for found in maps]) / max(1.0, float(np.linalg.norm(matrix, 2)))
-    matrix.setflags(write=False)
+    member = any_member_at(system, Omega)
+    plain = short_form(member, eps)
+    period = _general(member, Omega, eps, tolerance) if plain is None else _stiffness(plain, Omega, eps, tolerance)
+    joint = combine([one.spectrum for one in period.solved])
+    error = period.error / max(1.0, float(np.linalg.norm(period.matrix, 2)))
+    period.matrix.setflags(write=False)
     growth_rate = joint.log_modulus * Omega / (2 * np.pi)
-    solved = tuple(_Solved(subsystem, Omega, eps, one) for subsystem, one in zip(subsystems, spectra, strict=True))
-    return Monodromy(matrix, growth_rate, float(error), joint.error, joint.kind, rigid.shape[1], solved)
+    return Monodromy(period.matrix, growth_rate, error, joint.error, joint.kind, period.rigid, period.solved)
 
 
-def is_unstable(family: SystemFamily, Omega: float, eps: float, modes: int = 0) -> bool:
+def _stiffness(system: PeriodicSystem, Omega: float, eps: float, tolerance: float) -> _Period:
+    """Integrate a system with periodic stiffness alone, eq. (11)."""
+    subsystems = reduce_system(system, eps, Omega / (2 * np.pi))
+    rigid = rigid_basis(system, eps)
+    matrix = _drift(system, rigid, Omega)
+    errors, solved = [], []
+    for subsystem in subsystems:
+        found = period_map(subsystem, Omega, eps, tolerance)
+        matrix += subsystem.to_q @ found.matrix @ subsystem.from_q
+        errors.append(found.error_in_q)
+        again = partial(accurate_multipliers, subsystem, Omega, eps, MULTIPLIER_TOLERANCE)
+        solved.append(_Solved(_spectrum(subsystem, found.matrix, found.error), subsystem.reciprocal, again))
+    return _Period(matrix, float(np.linalg.norm(errors)), tuple(solved), rigid.shape[1])
+
+
+def _general(system: AnySystem, Omega: float, eps: float, tolerance: float) -> _Period:
+    """Integrate any system."""
+    subsystems, rigid = split(system, Omega, eps)
+    matrix = _drift(system, rigid, Omega) if isinstance(system, PeriodicSystem) else np.zeros_like(system.constant)
+    errors, solved = [], []
+    for subsystem in subsystems:
+        found = passage(subsystem, Omega, eps, tolerance)
+        matrix += subsystem.to_q @ found.map.matrix @ subsystem.from_q
+        errors.append(found.map.error_in_q)
+        judged = spectrum(found.map.matrix, found.map.error, reciprocal=subsystem.reciprocal, form=subsystem.form)
+        again = partial(multipliers_of, found, subsystem.coefficients.unknown)
+        solved.append(_Solved(judged, subsystem.reciprocal, again))
+    return _Period(matrix, float(np.linalg.norm(errors)), tuple(solved), rigid.shape[1])
+
+
+def _drift(system: PeriodicSystem, rigid: FloatArray, Omega: float) -> FloatArray:
+    """Return the part of the monodromy matrix of the rigid motions (n, r)."""
+    still = rigid @ rigid.T @ system.mass
+    return np.block([[still, np.zeros_like(still)], [2 * np.pi / Omega * still, still]])
+
+
+def is_unstable(family: AnyFamily, Omega: float, eps: float, modes: int = 0) -> bool:
     """Return whether integration finds instability at a point.
 
     This costs less than half of `monodromy`: it takes the same series, but believes them to be as accurate as they aim
     to be, and stops at the first unstable subsystem. It looks first at the subsystem with as many coordinates as
     ``modes`` says.
     """
-    subsystems = _scaled_subsystems(member_at(family, Omega), Omega, eps)
+    member = any_member_at(family, Omega)
+    plain = short_form(member, eps)
+    if plain is None:
+        return monodromy(member, Omega, eps).kind > Kind.STABLE
+    subsystems = _scaled_subsystems(plain, Omega, eps)
     for subsystem in sorted(subsystems, key=lambda subsystem: abs(len(subsystem.equations.w) - modes)):
         start = np.eye(2 * len(subsystem.equations.w))
         Phi = propagate(subsystem, Omega, eps, steps_of_period(subsystem, Omega), MATRIX_TOLERANCE, start)
@@ -176,13 +221,13 @@ def _spectrum(subsystem: Subsystem, Phi: FloatArray, error: float) -> Spectrum:
 
 def _multipliers(solved: _Solved) -> tuple[ComplexArray, FloatArray]:
     """Return the multipliers of one subsystem and their relative errors; from parts of the period if that is better."""
-    subsystem, Omega, eps, known = solved
+    known = solved.spectrum
     if known.errors.max() <= MULTIPLIER_TOLERANCE:
         return known.multipliers, known.errors
-    found = accurate_multipliers(subsystem, Omega, eps, MULTIPLIER_TOLERANCE)
+    found = solved.again()
     if found.errors.max() > known.errors.max():
         return known.multipliers, known.errors
-    on_circle = subsystem.reciprocal and known.kind == Kind.STABLE
+    on_circle = solved.reciprocal and known.kind == Kind.STABLE
     return found.values / np.abs(found.values) if on_circle else found.values, found.errors
 
 
