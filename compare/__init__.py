@@ -12,8 +12,8 @@ of amplitudes. `overlay` draws both.
 An outcome is "agrees", "disagrees" or "not compared"; `Tally` counts each region once.
 
 The rooms: `compare.study` (cases and users' systems, with a report), `compare.claims` (the paper's claims),
-`compare.explorer` (pages to click in), `compare.files` (what is read and written). `default_window` suggests where to
-look.
+`compare.explorer` (pages to click in), `compare.pictures`, `compare.files` (what is read and written). `default_window`
+suggests where to look.
 """
 
 from compare.outcome import Basis, Outcome, RegionAgreement

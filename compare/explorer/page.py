@@ -37,11 +37,10 @@ from bokeh.models.layouts import LayoutDOM
 from bokeh.plotting import figure
 from bokeh.resources import INLINE
 
-from compare.colours import GROWTH_PALETTE, UNDECIDED_GREY
 from compare.explorer.exploration import Exploration
 from compare.explorer.page_data import cell_data, curve_data, label_data, outline_data, point_data
 from compare.explorer.responses import Response
-from compare.pictures import BLUE, GREEN, GREY, ORANGE, PURPLE
+from compare.pictures import BLUE, GREEN, GREY, GROWTH_PALETTE, ORANGE, PURPLE, UNDECIDED_GREY
 from floquet import Kind
 
 SCRIPT = (Path(__file__).parent / "page.js").read_text(encoding="utf-8")

@@ -15,7 +15,7 @@ from compare.audit import audit_sentence
 from compare.comparison import compare_region, traced_curve
 from compare.files import Case
 from compare.outcome import RegionAgreement
-from compare.pictures import Figure, Layer, overlay, region_panels, variant_panels
+from compare.pictures import Layer, Picture, overlay, region_panels, variant_panels
 from compare.tally import Tally, identity
 from compare.verdicts import questions
 from floquet import BoundaryTrace, StabilityChart, stability_chart
@@ -172,7 +172,7 @@ class Study:
             ],
         }
 
-    def figures(self) -> dict[str, Figure]:
+    def figures(self) -> dict[str, Picture]:
         """Return the pictures of the subject by name."""
         layers = [Layer(variant.label, variant.chart, variant.panels) for variant in self.variants]
         draw = region_panels if self.subject.compare == "within" else variant_panels

@@ -131,10 +131,10 @@ FAULTS = (
     ),
     Fault(
         "slow growth as pale as stability",
-        "compare/colours.py",
+        "compare/pictures/colours.py",
         "GROWTH_PART = (0.36, 1.0)",
         "GROWTH_PART = (0.0, 1.0)",
-        "compare/test_colours.py",
+        "compare/pictures/test_colours.py",
     ),
     Fault(
         "compilation announced again and again",

@@ -5,10 +5,9 @@ from __future__ import annotations
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from compare.pictures import BLUE, GREY, ORANGE, STYLE, new_figure
+from compare.pictures.style import BLUE, GREY, ORANGE, STYLE, Picture, new_figure
 from plate import MovingPlate
 
 # Inches of the longer side of the plate and of the margins beside and above it.
@@ -29,7 +28,7 @@ MIN_DRAWN_LOAD = 0.02
 SUPPORTS = 12
 
 
-def draw_plate(plate: MovingPlate) -> Figure:
+def draw_plate(plate: MovingPlate) -> Picture:
     """Draw a plate as the paper's Fig. 1 does, with the numbers of the case at hand.
 
     Parameters
@@ -38,7 +37,7 @@ def draw_plate(plate: MovingPlate) -> Figure:
 
     Returns
     -------
-    matplotlib.figure.Figure
+    Picture
         The plate from above. Triangles mark the simply supported edges x = 0 and x = a, dashed lines the free ones
         y = 0 and y = b; arrows show the speed and the static tension over the edges.
     """

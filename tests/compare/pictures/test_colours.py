@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.colors import to_rgb
 
-from compare.colours import GROWTH_PALETTE, UNDECIDED_GREY
-from compare.pictures import ORANGE
+from compare.pictures import GROWTH_PALETTE, ORANGE, UNDECIDED_GREY
 
 MIN_CONTRAST_TO_WHITE = 1.7
 

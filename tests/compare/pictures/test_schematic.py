@@ -6,7 +6,7 @@ import pytest
 from matplotlib.figure import Figure
 from matplotlib.text import Annotation
 
-from compare.schematic import draw_plate
+from compare.pictures import draw_plate
 from plate import EdgeLoad, MovingPlate
 
 

@@ -11,7 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from matplotlib.text import Text
 
-from compare.pictures import Layer, _spread, draw_traces, new_figure, overlay, region_panels, variant_panels
+from compare.pictures import Layer, draw_traces, new_figure, overlay, region_panels, variant_panels
+from compare.pictures.labels import _spread
 from floquet import StabilityChart, stability_chart, trace_boundary
 from periodic import PeriodicSystem
 from periodic.examples import coupled_mathieu, mathieu

@@ -1,0 +1,99 @@
+"""The layers of a picture: growth rates, traced edges, analytic curves, and the legend of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from compare.pictures.colours import GROWTH_MAP, UNDECIDED_GREY
+from compare.pictures.style import EDGE_LINE_WIDTH, ORANGE, THEORY
+from floquet import BoundaryTrace, Kind, StabilityChart
+from periodic.checks import FloatArray
+from perturb import TransitionCurve
+
+
+def draw_growth(axes: Axes, chart: StabilityChart | None, *, colour_bar: bool = False) -> None:
+    """Shade each cell by its growth rate: white where stable, grey where undecided."""
+    if chart is None:
+        return
+    unstable = chart.kind > Kind.STABLE
+    growth = np.ma.masked_where(~unstable, chart.growth_rate)
+    mesh = axes.pcolormesh(
+        chart.Omega, chart.eps, growth, cmap=GROWTH_MAP, vmin=0, shading="nearest", rasterized=True, zorder=0
+    )
+    undecided = np.ma.masked_where(chart.kind != Kind.UNDECIDED, np.ones_like(chart.growth_rate))
+    grey = ListedColormap([UNDECIDED_GREY])
+    axes.pcolormesh(chart.Omega, chart.eps, undecided, cmap=grey, shading="nearest", rasterized=True, zorder=0)
+    if colour_bar and unstable.any():
+        bar = axes.figure.colorbar(mesh, ax=axes, pad=0.01, aspect=30)
+        bar.set_label("growth rate  max log|μ| / T")
+        bar.outline.set_visible(False)
+
+
+def draw_traces(
+    axes: Axes,
+    traces: Sequence[BoundaryTrace],
+    colour: str = "black",
+    width: float = EDGE_LINE_WIDTH,
+    fill: bool = False,
+) -> None:
+    """Draw the edges found by integration as solid lines, the region between them shaded on request.
+
+    A line skips points at which an open region could not be followed, and breaks where the region is closed. Where it
+    has merged with another one it ends at the place where that takes over.
+    """
+    for trace in traces:
+        closed = trace.kind == Kind.STABLE
+        lower = np.where(np.isnan(trace.lower), trace.lower_meeting, trace.lower)
+        upper = np.where(np.isnan(trace.upper), trace.upper_meeting, trace.upper)
+        for edge in (lower, upper):
+            kept = closed | np.isfinite(edge)
+            axes.plot(edge[kept], trace.eps[kept], color=colour, lw=width, zorder=3)
+        if fill:
+            kept = closed | np.isfinite(upper - lower)
+            axes.fill_betweenx(
+                trace.eps[kept],
+                lower[kept],
+                upper[kept],
+                where=~closed[kept],
+                color=colour,
+                alpha=0.15,
+                lw=0,
+                zorder=1,
+            )
+
+
+def draw_curves(
+    axes: Axes, curves: Sequence[TransitionCurve], eps_max: float, colour: str = ORANGE, width: float = EDGE_LINE_WIDTH
+) -> None:
+    """Draw the analytic transition curves as dashed lines."""
+    for curve in curves:
+        lower, upper = curve.edges(_curve_eps(curve, eps_max))
+        for edge in (lower, upper):
+            axes.plot(edge, _curve_eps(curve, eps_max), color=colour, lw=width, ls=(0, (4, 2)), zorder=4)
+
+
+def _curve_eps(curve: TransitionCurve, eps_max: float) -> FloatArray:
+    """Values of eps that show a straight line, and the parabola-like tip of a damped region where it turns."""
+    if not 0 < curve.tip < eps_max:
+        return np.linspace(0, eps_max, 41)
+    return curve.tip + (eps_max - curve.tip) * np.linspace(0, 1, 81) ** 2
+
+
+def legend_handles(chart: StabilityChart | None, *, traced: bool, theory: bool = True) -> list[Line2D | Patch]:
+    """Return one legend entry for each thing that the picture shows."""
+    handles: list[Line2D | Patch] = []
+    if chart is not None:
+        handles.append(Patch(color=GROWTH_MAP(0.6), label="unstable by integration"))
+        if (chart.kind == Kind.UNDECIDED).any():
+            handles.append(Patch(color=UNDECIDED_GREY, label="undecided"))
+    if traced:
+        handles.append(Line2D([], [], color="black", lw=EDGE_LINE_WIDTH, label="Floquet boundary (traced)"))
+    if theory:
+        handles.append(Line2D([], [], color=ORANGE, lw=EDGE_LINE_WIDTH, ls=(0, (4, 2)), label=THEORY))
+    return handles

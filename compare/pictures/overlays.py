@@ -1,0 +1,70 @@
+"""One picture of everything: growth rates, traced edges and analytic curves, one over the other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import matplotlib as mpl
+import numpy as np
+
+from compare.pictures.labels import is_visible, label_regions
+from compare.pictures.layers import draw_curves, draw_growth, draw_traces, legend_handles
+from compare.pictures.style import STYLE, Picture, new_figure
+from floquet import BoundaryTrace, StabilityChart
+from perturb import TransitionCurve
+
+
+def overlay(
+    chart: StabilityChart | None,
+    curves: Sequence[TransitionCurve],
+    traces: Sequence[BoundaryTrace] = (),
+    *,
+    title: str = "",
+    size: tuple[float, float] = (9.0, 4.8),
+) -> Picture:
+    """Draw a stability chart, the traced boundaries and the analytic transition curves in one picture.
+
+    Parameters
+    ----------
+    chart : StabilityChart or None
+        Growth-rate map to lay underneath; None leaves it out.
+    curves : sequence of TransitionCurve
+        Analytic curves, each labelled with its resonance on the upper edge.
+    traces : sequence of BoundaryTrace
+        Edges found by root-finding on the multipliers.
+    title : str
+        Heading.
+    size : (float, float)
+        Width and height in inches.
+
+    Returns
+    -------
+    Picture
+        A matplotlib figure. Save it with ``figure.savefig(path)``; as the value of a notebook's cell it shows itself.
+
+    Raises
+    ------
+    ValueError
+        If there is nothing to draw.
+    """
+    if chart is None and not traces:
+        raise ValueError("chart is None and traces is empty; give a chart, traces or both")
+    with mpl.rc_context(STYLE):
+        figure = new_figure(size)
+        axes = figure.add_subplot()
+        eps = chart.eps if chart is not None else np.unique(np.concatenate([trace.eps for trace in traces]))
+        if chart is not None:
+            axes.set_xlim(chart.Omega[0], chart.Omega[-1])
+        axes.set_ylim(0, eps[-1])
+        draw_growth(axes, chart, colour_bar=True)
+        draw_traces(axes, traces)
+        traced = {trace.near for trace in traces if trace.is_open.any()}
+        shown = [curve for curve in curves if curve.centre in traced or is_visible(axes, curve, eps[-1])]
+        draw_curves(axes, shown, eps[-1])
+        label_regions(figure, axes, shown, eps[-1], first=traced)
+        axes.set_xlabel("excitation frequency Ω")
+        axes.set_ylabel("amplitude ε")
+        axes.set_title(title, loc="left", pad=30)
+        handles = legend_handles(chart, traced=bool(traces), theory=bool(shown))
+        figure.legend(handles=handles, loc="outside lower center", ncols=4)
+    return figure
