@@ -106,7 +106,8 @@ def scan(integrator: Integrator, eps: float, low: float, high: float, solutions:
         if not np.isfinite(heights[k]) or heights[k] < max(heights[k - 1], heights[k + 1]):
             continue
         hill = [Height(grid[i], heights[i]) for i in (k, k - 1, k + 1)]
-        best = climb(hill, value, resolution=EDGE_RESOLUTION * grid[k], enough=lambda best, way: True)
+        within = grid[k - 1], grid[k + 1]
+        best = climb(hill, value, EDGE_RESOLUTION * grid[k], within, enough=lambda best, way: True)
         if best.value > 0:
             there = integrator.at(best.Omega, eps)
             found.append(judge(there, growing(there)))

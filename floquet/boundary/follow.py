@@ -9,7 +9,7 @@ import numpy as np
 from floquet.boundary.hill import Height, climb
 from floquet.boundary.pair import Point, Reference, judge
 from floquet.boundary.solutions import Integrator, OutOfReachError
-from floquet.boundary.walk import EDGE_RESOLUTION
+from floquet.boundary.walk import EDGE_RESOLUTION, MAX_SEARCH_FACTOR, MIN_SEARCH_FACTOR
 
 # Relative change of stiffness (norm of eps F in energy coordinates) between two stations of the continuation in eps,
 # for a resonance with j = 1. With larger j regions are closer together, about in proportion.
@@ -67,6 +67,7 @@ class Follower:
         self, integrator: Integrator, centre: float, j: int, reference: Reference, strength: float, sign: int
     ) -> None:
         self.integrator, self.j, self.strength, self.sign = integrator, j, strength, sign
+        self.within = MIN_SEARCH_FACTOR * centre, MAX_SEARCH_FACTOR * centre
         self.spacing = STIFFNESS_CHANGE_PER_STATION / j / strength
         self.stations = [Station(0.0, centre, reference)]
         self.lost = np.inf  # the eps of the station at which the pair could not be told from others
@@ -126,7 +127,7 @@ class Follower:
             return not exact or way <= TOP_TOLERANCE * np.sqrt(best.value) * best.Omega / (np.pi * self.j)
 
         around = [start, start - step, start + step]
-        best = climb([Height(x, value(x)) for x in around], value, EDGE_RESOLUTION * start, enough)
+        best = climb([Height(x, value(x)) for x in around], value, EDGE_RESOLUTION * start, self.within, enough)
         return Top(expected, self._point(best.Omega, eps, reference))
 
     def _predict(self, stations: list[Station], eps: float) -> tuple[float, Reference]:

@@ -26,6 +26,7 @@ def climb(
     points: list[Height],
     value: Callable[[float], float],
     resolution: float,
+    within: tuple[float, float],
     enough: Callable[[Height, float], bool],
 ) -> Height:
     """Return the top of a hill, or a point on it that is high enough.
@@ -38,6 +39,8 @@ def climb(
         The test function.
     resolution : float
         In Omega.
+    within : (float, float)
+        The frequencies between which the top is looked for.
     enough : callable
         Whether the best point, whose value is positive and which is so far from the expected top, will do.
 
@@ -53,7 +56,8 @@ def climb(
         reach = MAX_CLIMB * max(abs(point.Omega - best.Omega) for point in points[1:3])
         if curvature >= 0:
             x = best.Omega + np.sign(best.Omega - points[2].Omega) * reach / 2
-        x = float(min(max(x, best.Omega - reach), best.Omega + reach))
+        low, high = max(best.Omega - reach, within[0]), min(best.Omega + reach, within[1])
+        x = float(min(max(x, low), high))
         way = abs(x - best.Omega)
         if way <= resolution or (best.value > 0 and enough(best, way)):
             break

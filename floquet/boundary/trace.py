@@ -45,7 +45,8 @@ class BoundaryTrace:
         Where the region has merged with another one on that side, the Omega at which the other one takes over. The edge
         is then that of the two together. NaN elsewhere.
     kind : ndarray of int8, shape (k,)
-        `Kind` of the instability inside. STABLE where the region is closed, or narrower than can be resolved.
+        `Kind` of the instability inside; of several intervals, in the one where the solutions of the resonance grow
+        most. STABLE where the region is closed, or narrower than can be resolved.
         UNDECIDED where the solutions of the resonance cannot be told from others.
     covered : ndarray of bool, shape (k,)
         Where the region is closed, but its place lies in another one: the solutions of the resonance do not grow there,

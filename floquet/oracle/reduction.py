@@ -93,14 +93,16 @@ def reduce_system(system: PeriodicSystem, eps: float, slowest: float) -> list[Su
             "change the units or give a smaller eps"
         )
     uncoupled = coordinate_sets(to_unit_mass)
-    separate = [basis for basis in (elastic_basis(matrices, one) for one in uncoupled) if basis.size]
+    # one and the same answer at every amplitude but 0: excitation of any strength couples what it couples
+    reference = _matrices(system, 1.0) if eps else matrices
+    separate = [basis for basis in (elastic_basis(reference, one) for one in uncoupled) if basis.size]
     if not separate:
         return []
-    symmetric = [part for basis in separate for part in _symmetry_parts(matrices, basis)]
+    symmetric = [part for basis in separate for part in _symmetry_parts(reference, basis)]
     if len(symmetric) > len(separate):
-        subsystems = _reduce_all(matrices, symmetric, slowest)
-        if subsystems[0].neglected <= MAX_SPLIT_COUPLING * min(subsystem.rate for subsystem in subsystems):
-            return subsystems
+        judged = _reduce_all(reference, symmetric, slowest)
+        if judged[0].neglected <= MAX_SPLIT_COUPLING * min(subsystem.rate for subsystem in judged):
+            return judged if eps in (0.0, 1.0) else _reduce_all(matrices, symmetric, slowest)
     return _reduce_all(matrices, separate, slowest)
 
 

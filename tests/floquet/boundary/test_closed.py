@@ -58,6 +58,15 @@ def test_growth_rate_says_how_much_damping_is_left() -> None:
     assert trace.is_open.tolist() == [False, False, False, True]
 
 
+def test_where_nothing_is_stable_no_window_is_found_far_away() -> None:
+    # a period short enough makes any growth in it small, but not the rate
+    damping, excitation = np.diag([-0.0585, 0.0791]), [[-1.07, -0.777], [-0.777, 0.499]]
+    system = PeriodicSystem(np.eye(2), NONE, damping, np.diag([1.0055, 2.2485]), [excitation])
+    trace = trace_boundary(system, 0.6683, [0.2346], j=3, p=1, q=1)
+    assert trace.kind[0] == Kind.COMPLEX
+    assert len(trace.intervals[0]) == 0
+
+
 def test_window_of_stability() -> None:
     """Negative damping of one mode, which the excitation lets the other make up for (A. Tondl's anti-resonance)."""
     mass, damping = np.diag([1.0, 0.5]), np.array([[0.0, -0.06], [-0.06, 0.06]])

@@ -41,6 +41,16 @@ def test_spectral_radius_is_below_the_rate() -> None:
             assert np.abs(np.linalg.eigvals(first_order(system, 1.0, 0.8, t))).max() < subsystem.rate * (1 + 1e-12)
 
 
+def test_subsystems_are_the_same_at_every_amplitude() -> None:
+    # two parts in turned axes: what rounding leaves of their coupling is about as large as what counts as rounding
+    for seed in range(40):
+        random = np.random.default_rng(seed)
+        turn, _ = np.linalg.qr(random.normal(size=(3, 3)))
+        system = transformed(join(random_system(seed, 2), mathieu()), turn @ np.diag(random.uniform(0.7, 1.4, 3)))
+        sizes = [[len(one.equations.w) for one in reduce_system(system, eps, 1.0)] for eps in (1e-3, 0.03, 1.0, 30.0)]
+        assert sizes[1:] == sizes[:-1]
+
+
 def test_constant_matrix_has_the_exponents() -> None:
     system = random_system(6, 3, symmetric=False, damping=0.4)
     (subsystem,) = reduce_system(system, 1.0, 1.0)
