@@ -70,12 +70,14 @@ class Theory:
 
 
 class _Rung(NamedTuple):
-    """One amplitude: edges by theory, and by integration with their errors; why the latter are missing, or ""."""
+    """One amplitude: edges by theory, and by integration with their errors; why the latter are missing, or ""; whether
+    another region takes over before an edge."""
 
     analytic: FloatArray
     traced: FloatArray
     error: FloatArray
     trouble: str
+    joined: bool = False
 
 
 class _Weighed(NamedTuple):
@@ -177,6 +179,10 @@ class _Comparison:
             together = self._together(float(eps[0]))
             if together:
                 return _Weighed(True, Outcome.NOT_COMPARED, Basis.COINCIDENT, together)
+            joined = {value: rung for value, rung in self.rungs.items() if rung.joined}
+            for value, rung in joined.items():  # edges of other regions are no reason to disagree
+                self.rungs[value] = rung._replace(trouble="integration finds it joined with another region")
+            return self._weigh(top) if joined else weighed
         return weighed
 
     def _resolves(self, eps: FloatArray) -> bool:
@@ -210,7 +216,8 @@ class _Comparison:
             trouble = "integration finds no edge where instability ends"
         elif np.isinf(analytic).any():
             trouble = "theory finds no edge where instability ends"
-        return _Rung(analytic, edges, errors, trouble)
+        joined = bool(np.isfinite([trace.lower_meeting[0], trace.upper_meeting[0]]).any())
+        return _Rung(analytic, edges, errors, trouble, joined)
 
     def _weigh(self, top: float) -> _Weighed:
         """Return what the rungs say so far."""

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from compare import Basis, Outcome, Tally, agreement
 from compare import comparison as module
-from floquet import Kind, trace_boundary
+from floquet import BoundaryTrace, Kind, trace_boundary
 from periodic import PeriodicSystem
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu
 from perturb import TransitionCurve
@@ -236,3 +237,19 @@ def test_an_error_of_one_region_leaves_the_others(monkeypatch: pytest.MonkeyPatc
     assert verdicts["2ω₁"].outcome is Outcome.NOT_COMPARED
     assert "beyond floating point" in verdicts["2ω₁"].reason
     assert verdicts["2ω₂"].agrees
+
+
+@pytest.mark.parametrize("joined", [True, False])
+def test_the_edge_of_another_region_is_no_disagreement(monkeypatch: pytest.MonkeyPatch, joined: bool) -> None:
+    """One rung on which a narrow region lies at the lower edge."""
+
+    def spoiled(*arguments: Any, **options: Any) -> BoundaryTrace:
+        trace = trace_boundary(*arguments, **options)
+        if 0.01 < trace.eps[0] < 0.02:
+            other = {"lower_meeting": trace.lower} if joined else {}
+            trace = replace(trace, lower=trace.lower - 1e-4, **other)
+        return trace
+
+    monkeypatch.setattr(module, "trace_boundary", spoiled)
+    (verdict,) = agreement(mathieu(delta=1.0), (1.5, 2.5), [0.002, 0.004, 0.008, 0.016])
+    assert verdict.outcome is (Outcome.AGREES if joined else Outcome.DISAGREES)
