@@ -1,0 +1,103 @@
+"""What `agreement` says of the regions of a window."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from compare import agreement
+from compare.outcome import Basis, Outcome, RegionAgreement
+from periodic import PeriodicSystem
+from tests.hunt.statements.magnus import Flows
+from tests.hunt.statements.origin import origin
+from tests.hunt.statements.parts import Part, parts_of
+from tests.hunt.statements.statement import Judged, Statement
+from tests.hunt.statements.traces import holds
+
+# At this part of the width from an edge, or this many errors, both sides are looked at.
+DISTANCE, ERRORS = 1e-2, 10.0
+SCAN = 41
+# What is left at the lowest rung of a gap over eps^order, as part of its value at the top, where it vanishes.
+LEFT = 0.75
+
+
+def ask(random: np.random.Generator, system: PeriodicSystem) -> tuple[str, list[Statement]]:
+    """Ask for the agreement in a random window."""
+    parts = parts_of(system)
+    omega = np.sort(np.concatenate([part.exponents.imag for part in parts])) if parts else np.zeros(0)
+    if not omega.size:
+        return "nothing oscillates", []
+    middle = 2 * omega[random.integers(min(3, len(omega)))]
+    low, high = float(middle * random.uniform(0.7, 0.95)), float(middle * random.uniform(1.05, 1.3))
+    order = int(random.choice([1, 1, 2]))
+    asked = f"agreement(system, ({low!r}, {high!r}), order={order}, modes=4)"
+    verdicts = agreement(system, (low, high), order=order, modes=4, n_jobs=1)
+    found = []
+    for verdict in verdicts:
+        found += _verdict(verdict, parts, omega, order)
+    return asked, found
+
+
+def _verdict(one: RegionAgreement, parts: list[Part], omega: np.ndarray, order: int) -> list[Statement]:
+    says = f"{one.label} {one.outcome}: {one.reason}"
+    if one.outcome is Outcome.DISAGREES:  # theory of this order is right as eps -> 0: blamed for what it never promised
+        return [Statement("disagrees", says, Judged.WRONG)]
+    own = [part for part in parts if holds(part, one.p, one.q, omega)]
+    if one.outcome is Outcome.NOT_COMPARED:
+        if one.basis is Basis.UNCOUPLED:
+            pair = float(omega[one.p - 1]), float(omega[one.q - 1])
+            idle = not any(part.F.any() for part in own)
+            idle |= any(not part.holds(*set(pair)) and any(map(part.holds, pair)) for part in parts)
+            return [Statement("uncoupled", says, Judged.TRUE if idle else Judged.WRONG)]
+        if one.basis is Basis.DAMPED:
+            return []
+        return [Statement("verdict", says, Judged.WITHHELD)]
+    if not own:
+        return [Statement("verdict", f"{says}, of modes that nothing couples", Judged.WRONG)]
+    found = [_numbers(one, says, order)]
+    flows, eps = Flows(own), float(one.eps[-1])
+    if one.basis is Basis.CLOSED:
+        return [*found, _closed(one, flows, eps, says)]
+    for k, name in ((0, "lower"), (1, "upper")):
+        edge, width = float(one.traced[k, -1]), float(one.traced[1, -1] - one.traced[0, -1])
+        if not np.isfinite(width):
+            continue
+        d = max(DISTANCE * width, ERRORS * float(one.traced_error[k, -1]))
+        inside, outside = flows.state([edge + (1 - 2 * k) * d, edge - (1 - 2 * k) * d], eps)
+        right = inside == 1 and outside == -1
+        judged = Judged.TRUE if right else Judged.TOO_FINE if 0 in (inside, outside) else Judged.WRONG
+        found.append(Statement("traced", f"{one.label}: {name} edge by integration {edge!r} at eps = {eps!r}", judged))
+    return found
+
+
+def _numbers(one: RegionAgreement, says: str, order: int) -> Statement:
+    """Agreement has numbers behind it, and they are close."""
+    if not one.compared or not one.eps.size:
+        return Statement("numbers", f"{says}: nothing was compared", Judged.WRONG)
+    if one.basis is Basis.CLOSED or not np.isfinite(one.gap).any():
+        return Statement("numbers", says, Judged.TRUE)
+    part = one.gap / one.eps**order
+    noise = 1e-7 * one.centre / one.eps[0] ** order
+    count = min(4, one.eps.size)
+    left = part[:, 0] <= LEFT * np.nanmax(part[:, :count], axis=1) + noise
+    small = one.gap[:, 0] <= 0.1 * (one.traced[1, 0] - one.traced[0, 0]) + noise
+    right = bool((left | small).all())
+    return Statement("numbers", f"{says}; gap / eps^{order} = {part.tolist()}", Judged.TRUE if right else Judged.WRONG)
+
+
+def _closed(one: RegionAgreement, flows: Flows, eps: float, says: str) -> Statement:
+    reach = 0.02 * one.centre
+    grid = one.centre + reach * np.linspace(-1, 1, SCAN) ** 3
+    at = np.flatnonzero(flows.state(grid, eps) == 1)
+    if not at.size or "width" in one.reason or "from eps" in one.reason:
+        return Statement("closed", says, Judged.TRUE)
+    nearest = float(grid[at[np.abs(grid[at] - one.centre).argmin()]])
+    came = origin(flows, nearest, eps, reach, one.j, one.centre)
+    if came is None:
+        return Statement("closed", f"{says}; {nearest!r} is unstable at {eps!r}", Judged.TOO_FINE)
+    place, uncertainty = came
+    wrong = abs(place - one.centre) <= uncertainty + 1e-6 * one.centre
+    return Statement(
+        "closed",
+        f"{says}; {nearest!r} is unstable at {eps!r}, from {place:.8g} ± {uncertainty:.2g}",
+        Judged.WRONG if wrong else Judged.TRUE,
+    )
