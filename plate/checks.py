@@ -48,6 +48,23 @@ def poisson_ratio(value: Any) -> float:
     return nu
 
 
+def held_at(value: Any, aspect_ratio: float, inplane: str) -> float | None:
+    """Return ``value`` as a place from 0 to a/b where the tension of an accelerating web is prescribed, or None."""
+    if value is None:
+        return None
+    place = real_number("tension_held_at", value)
+    if not 0 <= place <= aspect_ratio:
+        raise ValueError(
+            f"tension_held_at = {place!r} is out of range; give a place from 0 to {aspect_ratio:g}, or None"
+        )
+    if inplane != "membrane":
+        raise ValueError(
+            f"tension_held_at = {place!r} is for inplane='membrane': the in-plane problem of {inplane!r} takes the "
+            "same load at both ends; leave it out, or take 'membrane'"
+        )
+    return place
+
+
 def places(name: str, value: ArrayLike | None, end: float) -> FloatArray:
     """Return ``value`` as increasing places from 0 to ``end``, shape (k,); equally spaced ones in place of None."""
     found = grid(name, np.linspace(0.0, end, STRESS_GRID_POINTS) if value is None else value)

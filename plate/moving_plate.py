@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from periodic import PeriodicSystem
+from periodic import PeriodicSystem, Term
 from periodic.checks import FloatArray, one_of, real_number, whole_number
 from plate import checks, transverse
 from plate.divergence import divergence_speed
 from plate.dynamic import DynamicStress, warn_of_growth
 from plate.inplane import InPlaneFrequencies, InPlaneProblem, StressField, inplane_problem
 from plate.loads import EdgeLoad
-from plate.si import SIProperties
+from plate.si import InSI, SIProperties
 from plate.stress import MembraneStress, StaticStress, StressModel
 from plate.terms import Terms, chosen_terms
 
@@ -25,7 +25,7 @@ INPLANE_MODELS = ("membrane", "static", "dynamic")
 
 
 @dataclass(frozen=True)
-class MovingPlate:
+class MovingPlate(InSI):
     """An axially moving viscoelastic plate under periodic edge tension, sections I and II of the paper.
 
     Simply supported at x = 0 and x = a, free at y = 0 and y = b, moving along x. All quantities are dimensionless
@@ -58,6 +58,17 @@ class MovingPlate:
     inplane_terms : tuple of two int, optional
         M + 1 and N + 1, functions of x and of y in each of u and v, for "static" and "dynamic"; M + 1 >= a/b.
         Numbers left out follow the aspect ratio (`plate.terms`): 4, 7 and (9, 9) for a square plate.
+    speed_amplitude : float
+        Amplitude of the speed's pulsation for eps = 1, divided by ``speed``: V (1 + eps speed_amplitude cos Omega t).
+        The in-plane problem of "dynamic" takes the mean speed.
+    load_amplitude : float
+        Factor of the load's pulsation; 0 is a steady load.
+    derivative : {"partial", "material"}
+        Whose rate of strain the damping opposes: d/dt at a place, as in the paper's eq. (1), or d/dt + V d/dx of a
+        particle, which adds c V a(w_X, phi) to the stiffness, a(w, phi) being the form of K_oe.
+    tension_held_at : float, optional
+        Place x/b from 0 to r where the tension is that of the load, for a pulsating speed and "membrane". Elsewhere
+        N_xx = f + V' (X - X_0), which accelerates the web along x. If left out, N_xx = f everywhere.
     si : SIProperties, optional
         Set by `from_si`; needed only to return to SI units.
 
@@ -83,6 +94,10 @@ class MovingPlate:
     axial_terms: int | None = None
     lateral_terms: int | None = None
     inplane_terms: tuple[int, int] | None = None
+    speed_amplitude: float = 0.0
+    load_amplitude: float = 1.0
+    derivative: str = "partial"
+    tension_held_at: float | None = field(default=None, kw_only=True)
     si: SIProperties | None = field(default=None, kw_only=True, repr=False)
 
     def __post_init__(self) -> None:
@@ -94,9 +109,15 @@ class MovingPlate:
             "poisson_ratio": checks.poisson_ratio(self.poisson_ratio),
             "thickness_ratio": checks.ratio("thickness_ratio", self.thickness_ratio, checks.THICKNESS_RATIO_LIMITS),
             "inplane": one_of("inplane", self.inplane, INPLANE_MODELS),
+            "speed_amplitude": real_number("speed_amplitude", self.speed_amplitude),
+            "load_amplitude": real_number("load_amplitude", self.load_amplitude),
+            "derivative": one_of("derivative", self.derivative, transverse.PLATE_DERIVATIVES),
+            "tension_held_at": checks.held_at(self.tension_held_at, self.aspect_ratio, self.inplane),
         }
         for name, value in checked.items():
             object.__setattr__(self, name, value)
+        real_number("tension * load_amplitude", self.tension * self.load_amplitude)
+        real_number("(speed * speed_amplitude)^2", self._speed_change * self._speed_change)
         along = self.terms.inplane[0]
         if self.inplane != "membrane" and along < self.aspect_ratio:
             raise ValueError(
@@ -149,7 +170,7 @@ class MovingPlate:
         damping : float
             Kelvin–Voigt c of eq. (1) in s.
         **discretisation
-            load, inplane, axial_terms, lateral_terms and inplane_terms, as `MovingPlate` takes them.
+            load, inplane, speed_amplitude, axial_terms and so on, all dimensionless, as `MovingPlate` takes them.
 
         Raises
         ------
@@ -175,31 +196,6 @@ class MovingPlate:
     def terms(self) -> Terms:
         """Numbers of trial functions in use: those given, and those of the aspect ratio in place of None."""
         return chosen_terms(self.axial_terms, self.lateral_terms, self.inplane_terms, self.aspect_ratio)
-
-    @property
-    def length_unit(self) -> float:
-        """Length in m of one unit: b."""
-        return self._si.width
-
-    @property
-    def time_unit(self) -> float:
-        """Time in s of one unit, sqrt(rho h b^4 / D); also the unit of ``damping``."""
-        return self._si.units(self.thickness_ratio, self.poisson_ratio)[0]
-
-    @property
-    def frequency_unit(self) -> float:
-        """Angular frequency in rad/s of one unit; also the unit of growth rates in 1/s."""
-        return 1 / self.time_unit
-
-    @property
-    def speed_unit(self) -> float:
-        """Speed in m/s of one unit."""
-        return self.length_unit / self.time_unit
-
-    @property
-    def tension_unit(self) -> float:
-        """Force per width in N/m of one unit, D / b^2; also the unit of stress resultants."""
-        return self._si.units(self.thickness_ratio, self.poisson_ratio)[1]
 
     @cached_property
     def elastic_stiffness(self) -> FloatArray:
@@ -240,7 +236,7 @@ class MovingPlate:
     def at(self, Omega: float) -> PeriodicSystem:
         """Return the system (11) at excitation frequency ``Omega`` (`periodic.SystemFamily`).
 
-        Only with ``inplane="dynamic"`` does it depend on ``Omega``, through ``cosine`` and ``sine``.
+        It depends on ``Omega`` with ``inplane="dynamic"``, through the stress, and if the speed pulsates, through V'.
 
         Parameters
         ----------
@@ -250,7 +246,7 @@ class MovingPlate:
         Returns
         -------
         PeriodicSystem
-            n = ``terms.coordinates`` coordinates and the load's J harmonics.
+            n = ``terms.coordinates`` coordinates, the load's J harmonics, and further terms if the speed pulsates.
 
         Raises
         ------
@@ -263,7 +259,7 @@ class MovingPlate:
             If a harmonic comes near an in-plane resonance.
         """
         Omega = checks.frequency("Omega", Omega)
-        return self._system_at(Omega) if self.inplane == "dynamic" else self._system
+        return self._system_at(Omega) if self.inplane == "dynamic" or self._speed_change else self._system
 
     def stress(
         self, Omega: float, harmonic: int, x: ArrayLike | None = None, y: ArrayLike | None = None
@@ -280,7 +276,7 @@ class MovingPlate:
         Parameters
         ----------
         Omega : float
-            Excitation frequency >= 0, dimensionless; it counts only for harmonics with ``inplane="dynamic"``.
+            Excitation frequency >= 0, dimensionless; it counts for harmonics of "dynamic" and with ``tension_held_at``.
         harmonic : int
             j from 0 (the static stress, f0 included) to J (the amplitude for eps = 1).
         x, y : array_like, optional
@@ -300,8 +296,11 @@ class MovingPlate:
         harmonic = whole_number("harmonic", harmonic, least=0, most=self.load.harmonics)
         X, Y = checks.places("x", x, self.aspect_ratio), checks.places("y", y, 1.0)
         stresses = self._stress.field(harmonic, Omega, X, Y)
-        N_xx, N_yy, N_xy = (_read_only(self.tension * N.T) for N in stresses)
-        return StressField(X, Y, N_xx, N_yy, N_xy)
+        amplitude = self.tension * self.load_amplitude if harmonic else self.tension
+        N_xx, N_yy, N_xy = (amplitude * N.T for N in stresses)
+        if harmonic == 1 and self.tension_held_at is not None:
+            N_xx += 1j * Omega * self._speed_change * (X - self.tension_held_at)  # V' (X - X_0)
+        return StressField(X, Y, *(_read_only(N) for N in (N_xx, N_yy, N_xy)))
 
     @cached_property
     def _system(self) -> PeriodicSystem:
@@ -310,7 +309,7 @@ class MovingPlate:
     def _system_at(self, Omega: float) -> PeriodicSystem:
         F = np.empty((self.load.harmonics, *self._stiffness.shape), dtype=np.complex128)
         for j in range(1, self.load.harmonics + 1):
-            F[j - 1] = self.tension * self._stress.stiffness(j, Omega)
+            F[j - 1] = self.tension * self.load_amplitude * self._stress.stiffness(j, Omega)
         return PeriodicSystem(
             mass=np.eye(self.terms.coordinates),
             gyroscopic=self.speed * self._gyroscopic,
@@ -318,7 +317,25 @@ class MovingPlate:
             stiffness=self._stiffness,
             cosine=F.real,
             sine=-F.imag,
+            terms=self._speed_terms(Omega) if self._speed_change else (),
         )
+
+    def _speed_terms(self, Omega: float) -> list[Term]:
+        A = transverse.acceleration_stiffness(*self._terms, self.aspect_ratio, self.tension_held_at)
+        G, K_og = self._gyroscopic, self.transport_stiffness
+        return transverse.speed_terms(Omega, self.speed, self._speed_change, G, K_og, A, self._carried)
+
+    @property
+    def _speed_change(self) -> float:
+        """V_1, the amplitude of the speed for eps = 1."""
+        return self.speed * self.speed_amplitude
+
+    @cached_property
+    def _carried(self) -> FloatArray:
+        """The stiffness for each speed that the material derivative adds to the damping."""
+        if self.derivative == "partial":
+            return np.zeros_like(self.elastic_stiffness)
+        return self.damping * transverse.carried_bending(*self._terms, self.aspect_ratio, self.poisson_ratio)
 
     @cached_property
     def _gyroscopic(self) -> FloatArray:
@@ -327,7 +344,8 @@ class MovingPlate:
     @cached_property
     def _stiffness(self) -> FloatArray:
         K_oe, K_og, F_c0 = self.elastic_stiffness, self.transport_stiffness, self.static_stress_stiffness
-        return K_oe + self.speed**2 * K_og + self.tension * F_c0
+        K = K_oe + self.speed**2 * K_og + self.tension * F_c0
+        return K if self.derivative == "partial" else K + self.speed * self._carried
 
     @cached_property
     def _critical_speed(self) -> float:
@@ -368,12 +386,6 @@ class MovingPlate:
     @property
     def _terms(self) -> tuple[int, int]:
         return self.terms.axial, self.terms.lateral
-
-    @property
-    def _si(self) -> SIProperties:
-        if self.si is None:
-            raise ValueError("this plate has no SI units; build it with MovingPlate.from_si")
-        return self.si
 
 
 def _read_only(array: NDArray[Any]) -> NDArray[Any]:

@@ -41,3 +41,42 @@ class SIProperties:
         D = real_number("bending stiffness", self.youngs_modulus * h * h * h / (12 * (1 - nu**2)), positive=True)
         time = real_number("time unit", math.sqrt(self.density * h / D) * b2, positive=True)
         return time, real_number("tension unit", D / b2, positive=True)
+
+
+class InSI:
+    """What leads a model with a width, a thickness and an ``si`` from dimensionless to SI units."""
+
+    si: SIProperties | None
+    thickness_ratio: float
+    poisson_ratio: float
+
+    @property
+    def length_unit(self) -> float:
+        """Length in m of one unit: b."""
+        return self._si.width
+
+    @property
+    def time_unit(self) -> float:
+        """Time in s of one unit, sqrt(rho h b^4 / D); also the unit of ``damping``."""
+        return self._si.units(self.thickness_ratio, self.poisson_ratio)[0]
+
+    @property
+    def frequency_unit(self) -> float:
+        """Angular frequency in rad/s of one unit; also the unit of growth rates in 1/s."""
+        return 1 / self.time_unit
+
+    @property
+    def speed_unit(self) -> float:
+        """Speed in m/s of one unit."""
+        return self.length_unit / self.time_unit
+
+    @property
+    def tension_unit(self) -> float:
+        """Force per width in N/m of one unit, D / b^2; also the unit of stress resultants."""
+        return self._si.units(self.thickness_ratio, self.poisson_ratio)[1]
+
+    @property
+    def _si(self) -> SIProperties:
+        if self.si is None:
+            raise ValueError("this plate has no SI units; build it with MovingPlate.from_si")
+        return self.si

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from periodic import Term, waveforms
 from periodic.checks import FloatArray
 from plate.basis import (
     gauss_legendre,
@@ -27,6 +28,9 @@ from plate.distribution import Distribution
 
 # Couplings of even with odd lateral functions below this part of the largest entry are rounding of the quadrature.
 PARITY_ROUNDING = 1e-14
+
+# Whose rate of strain the damping opposes.
+PLATE_DERIVATIVES = ("partial", "material")
 
 Rule = tuple[FloatArray, FloatArray]
 NumericArray = NDArray[Any]
@@ -57,6 +61,69 @@ def elastic_stiffness(K: int, lateral: int, r: float, nu: float) -> FloatArray:
 def transport_stiffness(K: int, lateral: int, r: float) -> FloatArray:
     """Return K_og of eq. (11), -(w_X, phi_X): negative definite."""
     return -kronecker(np.diag(sine_wavenumbers(K, r) ** 2), np.eye(lateral))
+
+
+def carried_bending(K: int, lateral: int, r: float, nu: float) -> FloatArray:
+    """Return W_m = a(w_X, phi), a(w, phi) being the form of `elastic_stiffness`: the rate of change of the strain
+    that the plate carries past a place. Only its part without twist is skew."""
+    one_y = np.eye(lateral)
+    alpha2 = np.diag(sine_wavenumbers(K, r) ** 2)
+    B = sine_derivative(K, r)
+    D = legendre_derivative(lateral)
+    D2 = D @ D
+    return (
+        kronecker(alpha2 @ B @ alpha2, one_y)  # (w_XXX, phi_XX)
+        + kronecker(B, D2.T @ D2)  # (w_XYY, phi_YY)
+        - nu * (kronecker(B @ alpha2, D2.T) + kronecker(alpha2 @ B, D2))  # nu (w_XXX, phi_YY) + nu (w_XYY, phi_XX)
+        + 2 * (1 - nu) * kronecker(B @ alpha2, D.T @ D)  # 2 (1 - nu) (w_XXY, phi_XY)
+    )
+
+
+def acceleration_stiffness(K: int, lateral: int, r: float, held_at: float | None) -> FloatArray:
+    """Return the stiffness for each acceleration V': (w_X, phi), skew, and, where the tension N_xx = V' (X - X_0)
+    accelerates the web along x, ((X - X_0) w_X, phi_X), symmetric, with X_0 = ``held_at``."""
+    A = sine_derivative(K, r)
+    if held_at is not None:
+        X, weights = gauss_legendre(math.ceil(math.pi * 2 * K / 4) + SPARE_QUADRATURE_NODES, 0.0, r)
+        s_X = sine_slopes(X, K, r)
+        A = A + (s_X * (weights * (X - held_at))[:, None]).T @ s_X
+    return kronecker(A, np.eye(lateral))
+
+
+def speed_terms(
+    Omega: float,
+    speed: float,
+    change: float,
+    gyroscopic: FloatArray,
+    transport: FloatArray,
+    acceleration: FloatArray,
+    carried: FloatArray,
+) -> list[Term]:
+    """Return the terms that eps V_1 cos Omega t adds to the system at the speed V_0.
+
+    The equations at a speed V(t) are W'' + [V G_o + c K_oe] W' + [K + V^2 K_og + V' A + V c W_m] W = 0.
+
+    Parameters
+    ----------
+    Omega : float
+        Excitation frequency.
+    speed, change : float
+        V_0 and V_1.
+    gyroscopic, transport : ndarray, shape (n, n)
+        G_o and K_og.
+    acceleration : ndarray, shape (n, n)
+        A = (w_X, phi), and ((X - X_0) w_X, phi_X) if the tension accelerates the web along x.
+    carried : ndarray, shape (n, n)
+        c W_m, zero for the partial derivative.
+    """
+    return [
+        Term("gyroscopic", change * gyroscopic, waveforms.cosine()),
+        Term("stiffness", 2 * speed * change * transport + change * carried, waveforms.cosine()),
+        Term("stiffness", -Omega * change * acceleration, waveforms.sine()),  # V' = - eps V_1 Omega sin Omega t
+        # V^2 has eps^2 V_1^2 cos^2 Omega t
+        Term("stiffness", change**2 / 2 * transport, waveforms.constant(), power=2),
+        Term("stiffness", change**2 / 2 * transport, waveforms.cosine(2), power=2),
+    ]
 
 
 def membrane_stiffness(load: Distribution, K: int, lateral: int, r: float) -> FloatArray:
