@@ -10,11 +10,23 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from periodic.checks import FloatArray, is_positive_definite, real_array
-from periodic.terms import SYMMETRY_TOLERANCE, Term, absorb, checked_terms, harmonics, square, sum_of, symmetric
+from periodic.terms import (
+    SYMMETRY,
+    SYMMETRY_TOLERANCE,
+    Term,
+    absorb,
+    checked_terms,
+    harmonics,
+    square,
+    sum_of,
+    symmetric,
+)
 from periodic.waveforms import Trigonometric
 
 __all__ = ["SYMMETRY_TOLERANCE", "PeriodicSystem", "check_mass"]
 
+# An entry of a matrix in another basis is rounding below this part of the sums that cancel in it.
+ROUNDING_LEFT = 1e-15
 # The lowest eigenvalue of the mass is looked at in so many phases of the fastest harmonic, and so many times closer
 # around its minimum.
 MASS_SAMPLES, MASS_ZOOMS = 33, 3
@@ -126,6 +138,23 @@ class PeriodicSystem:
     def at(self, Omega: float) -> PeriodicSystem:
         """Return the system itself: its matrices do not depend on the frequency (`SystemFamily`)."""
         return self
+
+    def restricted(self, basis: FloatArray) -> PeriodicSystem:
+        """Return the system of the motions W = basis @ q, ``basis`` of shape (n, m).
+
+        What rounding leaves of a matrix that does not act on them is dropped.
+        """
+
+        def inside(X: FloatArray, sign: int) -> FloatArray:
+            found = basis.T @ X @ basis
+            largest = np.abs(X).max(axis=(-2, -1), keepdims=True, initial=0.0)
+            cancelled = np.abs(basis).sum(axis=0)
+            found = np.where(np.abs(found) <= ROUNDING_LEFT * largest * np.outer(cancelled, cancelled), 0.0, found)
+            return np.asarray((found + sign * found.T) / 2 if sign else found)
+
+        M, G, C, K = (inside(getattr(self, of), SYMMETRY[of]) for of in ("mass", "gyroscopic", "damping", "stiffness"))
+        terms = [Term(t.of, inside(t.matrix, SYMMETRY[t.of]), t.waveform, t.power) for t in self.terms]
+        return PeriodicSystem(M, G, C, K, inside(self.cosine, 0), inside(self.sine, 0), terms=terms)
 
     def matrices(self, theta: ArrayLike, eps: float) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Return M, G, C and K with all their terms at the phases ``theta`` = Omega t, without pulses.

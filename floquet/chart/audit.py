@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from floquet.kind import Kind
 from floquet.oracle import monodromy
-from periodic import PeriodicSystem
+from periodic import AnySystem
 from periodic.checks import FloatArray
 
 AUDIT_SEED = 20250101  # of the random choice of cells
@@ -75,7 +75,7 @@ def sample(error: FloatArray, size: int) -> NDArray[np.int64]:
     return np.stack(np.unravel_index(chosen, error.shape), axis=1)
 
 
-def integrate_again(system: PeriodicSystem, Omega: float, eps: float) -> tuple[float, float, int]:
+def integrate_again(system: AnySystem, Omega: float, eps: float) -> tuple[float, float, int]:
     """Return log|mu| by `monodromy`, its error and the verdict; NaN and undecided if `monodromy` raises ValueError."""
     try:
         found = monodromy(system, Omega, eps)

@@ -19,7 +19,7 @@ from floquet.chart.checkpoint import TileStore
 from floquet.engine import Tile, chart_batch, rigid_motions, steps_needed
 from floquet.kind import Kind
 from floquet.running import as_completed, replace_file
-from periodic import SystemFamily, member_at
+from periodic import AnyFamily, any_member_at
 from periodic.checks import ComplexArray, FloatArray, grid, one_of, whole_number, workers
 
 # Columns of a task: enough to hide joblib's overhead and to share the measurement of the error, and few enough for this
@@ -140,7 +140,7 @@ class StabilityChart:
 
 
 def stability_chart(
-    family: SystemFamily,
+    family: AnyFamily,
     Omega: ArrayLike,
     eps: ArrayLike,
     *,
@@ -154,8 +154,7 @@ def stability_chart(
     Parameters
     ----------
     family : SystemFamily
-        A `PeriodicSystem`, or anything whose ``at(Omega)`` returns one. Only the excitation may depend on the
-        frequency.
+        A `PeriodicSystem` or a `FirstOrderSystem`, or anything whose ``at(Omega)`` returns one.
     Omega : array_like, shape (m,)
         Excitation frequencies, positive and strictly increasing, in the units of the system.
     eps : array_like, shape (k,)
@@ -190,7 +189,7 @@ def stability_chart(
     bytes a cell. docs/scale.md says what large charts cost.
     """
     Omega, eps = grid("Omega", Omega, positive=True), grid("eps", eps)
-    member_at(family, float(Omega[0]), "family")
+    any_member_at(family, float(Omega[0]), "family")
     n_jobs = workers("n_jobs", n_jobs)
     progress = one_of("progress", progress, (True, False, None))
     audit = whole_number("audit", audit, least=0)
@@ -211,7 +210,9 @@ def stability_chart(
             for name in CELL_ARRAYS:
                 getattr(cells, name)[:, columns] = getattr(tile, name)
             bar.update(columns.stop - columns.start)
-    chart = StabilityChart(Omega, eps, *cells, rigid=max(map(rigid_motions, members)))
+    chart = StabilityChart(
+        Omega, eps, *cells, rigid=max(rigid_motions(member, float(w)) for member, w in zip(members, few, strict=True))
+    )
     return chart if audit == 0 else replace(chart, audit=_audited(family, chart, audit, n_jobs))
 
 
@@ -251,7 +252,7 @@ def _tiles(
         yield missing[i], tile
 
 
-def _audited(family: SystemFamily, chart: StabilityChart, size: int, n_jobs: int | None) -> ChartAudit:
+def _audited(family: AnyFamily, chart: StabilityChart, size: int, n_jobs: int | None) -> ChartAudit:
     """Return the audit of a chart with ``size`` random cells."""
     cells = sample(chart.error, size)
     points = [(float(chart.Omega[j]), float(chart.eps[i])) for i, j in cells]

@@ -20,7 +20,7 @@ import scipy
 
 from floquet.engine import Tile
 from floquet.running import replace_file, source_hash
-from periodic import PeriodicSystem
+from periodic import AnySystem
 from periodic.checks import FloatArray
 
 DIGEST_BYTES = 32
@@ -59,7 +59,7 @@ class TileStore:
         except OSError as error:
             raise ValueError(self._refusal(error)) from None
 
-    def path(self, systems: Sequence[PeriodicSystem], Omega: FloatArray, eps: FloatArray, steps: float) -> Path:
+    def path(self, systems: Sequence[AnySystem], Omega: FloatArray, eps: FloatArray, steps: float) -> Path:
         """Return where the tile with these inputs of `floquet.engine.chart_batch` is kept."""
         digest = hashlib.sha256(code_version() + processor().encode())
         for array in (Omega, eps, np.array(steps)):

@@ -19,10 +19,11 @@ True
 """
 
 from floquet.engine.column import ERROR_SAFETY, Tile, chart_batch
-from floquet.engine.coordinates import Subsystem, equations, least_frequency, rigid_motions, subsystems
+from floquet.engine.coordinates import Subsystem, equations, least_frequency, subsystems
 from floquet.engine.doubling import INTERPOLATION_TOLERANCE, Sampler, Workspace
 from floquet.engine.eigen import reciprocal_pairs
 from floquet.engine.multipliers import Multipliers, ReciprocalSums, Spectra, dominant, spectra
+from floquet.engine.parts import rigid_motions
 from floquet.engine.stability import exponent, judge
 from floquet.engine.steps import MIN_STEPS_PER_CYCLE, log2_steps, steps_needed
 

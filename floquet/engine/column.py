@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import groupby
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from floquet.engine.coordinates import Subsystem, subsystems
-from floquet.engine.doubling import INTERPOLATION_TOLERANCE, Sampler, Workspace
+from floquet.engine.doubling import INTERPOLATION_TOLERANCE, Workspace
 from floquet.engine.eigen import UNIT_ROUNDOFF
 from floquet.engine.krein import held_apart
 from floquet.engine.multipliers import dominant, select, spectra
+from floquet.engine.parts import AnySubsystem, is_short, parts_of, sampler_of
 from floquet.engine.stability import SMALLEST_NORMAL, DominantMultiplier, Stability, combine, judge
 from floquet.engine.steps import ORDER, fastest, log2_steps, measured_amplitudes, step_errors
 from floquet.kind import Kind
 from floquet.running import single_blas_thread
-from periodic import PeriodicSystem
+from periodic import AnySystem
 from periodic.checks import ComplexArray, FloatArray
 
 # Relative distance of the frequencies of columns that share a measurement of the error.
@@ -41,7 +41,7 @@ class Tile(NamedTuple):
     error: FloatArray
 
 
-def chart_batch(systems: Sequence[PeriodicSystem], Omega: FloatArray, eps: FloatArray, steps_per_cycle: float) -> Tile:
+def chart_batch(systems: Sequence[AnySystem], Omega: FloatArray, eps: FloatArray, steps_per_cycle: float) -> Tile:
     """Return some columns of a chart, one for each system and frequency.
 
     This is a pure function. A column depends on its own system and frequency, on ``eps`` and ``steps_per_cycle``, and,
@@ -49,10 +49,14 @@ def chart_batch(systems: Sequence[PeriodicSystem], Omega: FloatArray, eps: Float
     """
     work, parts, done = Workspace(), [], 0
     with single_blas_thread():
-        for system, same in groupby(systems, key=lambda system: system):
-            count = len(list(same))
-            parts.append(_columns(subsystems(system), Omega[done : done + count], eps, steps_per_cycle, work))
-            done += count
+        # columns of one system share what is known of their errors, and so do all those of general systems
+        for _, same in groupby(systems, key=lambda system: system if is_short(system) else None):
+            members = list(same)
+            here = Omega[done : done + len(members)]
+            split = [parts_of(member, float(w), eps) for member, w in zip(members, here, strict=True)]
+            for alike in runs(split):
+                parts.append(_columns(split[alike], here[alike], eps, steps_per_cycle, work))
+            done += len(members)
     log_modulus, angle, error, kind = (np.concatenate(part).T for part in zip(*parts, strict=True))
     with np.errstate(over="ignore"):
         modulus = np.exp(log_modulus)
@@ -63,26 +67,45 @@ def chart_batch(systems: Sequence[PeriodicSystem], Omega: FloatArray, eps: Float
     return Tile(log_modulus * Omega / (2 * np.pi), multiplier, kind, error)
 
 
+def runs(split: Sequence[tuple[AnySubsystem, ...]]) -> Iterator[slice]:
+    """Yield the runs of columns whose systems fall into subsystems of the same sizes."""
+    sizes = [tuple(part.states for part in parts) for parts in split]
+    start = 0
+    for _, same in groupby(sizes):
+        count = len(list(same))
+        yield slice(start, start + count)
+        start += count
+
+
 def _columns(
-    parts: Sequence[Subsystem], Omega: FloatArray, eps: FloatArray, steps_per_cycle: float, work: Workspace
+    split: Sequence[tuple[AnySubsystem, ...]],
+    Omega: FloatArray,
+    eps: FloatArray,
+    steps_per_cycle: float,
+    work: Workspace,
 ) -> Stability:
-    """Return the stability of a system at some neighbouring frequencies, arrays of shape (frequencies, k)."""
+    """Return the stability at some neighbouring frequencies, arrays of shape (frequencies, k).
+
+    ``split`` has the subsystems at each of them, the same number.
+    """
     measured = _measured(Omega)
-    if not parts:  # all motions are rigid
+    if not split[0]:  # all motions are rigid
         nothing = np.zeros((len(Omega), len(eps)))
         return Stability(nothing, nothing, nothing, np.full(nothing.shape, Kind.STABLE, np.int8))
     cells = []
-    for subsystem in parts:
+    for parts in zip(*split, strict=True):
         columns = [
-            _column(subsystem, float(w), eps, steps_per_cycle, work, measure=i in measured) for i, w in enumerate(Omega)
+            _column(subsystem, float(w), eps, steps_per_cycle, work, measure=i in measured)
+            for i, (subsystem, w) in enumerate(zip(parts, Omega, strict=True))
         ]
         found = DominantMultiplier(*(np.array(part) for part in zip(*(c.found for c in columns), strict=True)))
-        E = _errors(subsystem, eps, columns, found.excess, measured)
-        judged = judge(found, E, subsystem.reciprocal)
-        if subsystem.symplectic:
+        symplectic = all(subsystem.symplectic for subsystem in parts)
+        E = _errors(symplectic, parts[0].states, eps, columns, found.excess, measured)
+        judged = judge(found, E, all(subsystem.reciprocal for subsystem in parts))
+        if symplectic:
             for i in np.flatnonzero(_in_doubt(judged).any(axis=1)):
                 column = Stability(*(x[i] for x in judged))
-                _look_again(subsystem, float(Omega[i]), eps, steps_per_cycle, work, column, E[i])
+                _look_again(parts[i], float(Omega[i]), eps, steps_per_cycle, work, column, E[i])
         cells.append(judged)
     return combine(cells)
 
@@ -93,7 +116,7 @@ def _in_doubt(judged: Stability) -> NDArray[np.bool_]:
 
 
 def _look_again(
-    subsystem: Subsystem,
+    subsystem: AnySubsystem,
     Omega: float,
     eps: FloatArray,
     steps_per_cycle: float,
@@ -103,7 +126,7 @@ def _look_again(
 ) -> None:
     """Decide the cells of a column whose multipliers are held apart by Krein's form, in place."""
     cells = np.flatnonzero(_in_doubt(judged))
-    sampler = Sampler.of(subsystem, Omega, work)
+    sampler = sampler_of(subsystem, Omega, work)
     L = log2_steps(subsystem, Omega, eps, steps_per_cycle)
     Phi = sampler.matrices(eps[cells], L, INTERPOLATION_TOLERANCE)
     stable = cells[held_apart(Phi, E[cells])]
@@ -123,11 +146,11 @@ class _Column(NamedTuple):
 
 
 def _column(
-    subsystem: Subsystem, Omega: float, eps: FloatArray, steps_per_cycle: float, work: Workspace, *, measure: bool
+    subsystem: AnySubsystem, Omega: float, eps: FloatArray, steps_per_cycle: float, work: Workspace, *, measure: bool
 ) -> _Column:
     """Integrate a column; ``measure`` its error at a few amplitudes by integrating once more with half the step."""
     L = log2_steps(subsystem, Omega, eps, steps_per_cycle)
-    sampler = Sampler.of(subsystem, Omega, work)
+    sampler = sampler_of(subsystem, Omega, work)
     all_of_them = spectra(sampler, eps, L, INTERPOLATION_TOLERANCE)
     found = dominant(all_of_them, subsystem.reversible)
     cycles = fastest(subsystem, Omega, eps) / Omega
@@ -162,7 +185,12 @@ def _slopes(errors: FloatArray, places: NDArray[np.intp], unit: FloatArray) -> F
 
 
 def _errors(
-    subsystem: Subsystem, eps: FloatArray, columns: Sequence[_Column], nu: FloatArray, measured: Sequence[int]
+    symplectic: bool,
+    states: int,
+    eps: FloatArray,
+    columns: Sequence[_Column],
+    nu: FloatArray,
+    measured: Sequence[int],
 ) -> FloatArray:
     """Return the errors E (columns, k) of neighbouring columns, of which some were ``measured``.
 
@@ -180,8 +208,8 @@ def _errors(
     slopes = np.array([columns[i].slopes for i in measured])
     unit = (cycles * step**ORDER)[:, None] * np.abs(eps) * nu
     truncation = unit * np.maximum(slopes[before], slopes[after])
-    roundings = ROUNDINGS_PER_STEP * cycles / step + ROUNDINGS_PER_ROW * 2 * len(subsystem.K)
-    rounding = UNIT_ROUNDOFF * roundings[:, None] * (nu if subsystem.symplectic else nu**2)
+    roundings = ROUNDINGS_PER_STEP * cycles / step + ROUNDINGS_PER_ROW * states
+    rounding = UNIT_ROUNDOFF * roundings[:, None] * (nu if symplectic else nu**2)
     return np.asarray(ERROR_SAFETY * losses * np.maximum(truncation, rounding))
 
 

@@ -54,6 +54,15 @@ class Subsystem:
     reversible: bool
 
     @property
+    def states(self) -> int:
+        """Number of states."""
+        return 2 * len(self.K)
+
+    def fastest(self, Omega: float, largest: float) -> float:
+        """Return the rate of the fastest motion: of the system at its stiffest, or of the excitation."""
+        return max(math.sqrt(self.rate**2 + largest * self.modulation), len(self.Fc) * Omega)
+
+    @property
     def reciprocal(self) -> bool:
         """Whether with mu also 1 / conj(mu) is a multiplier."""
         return self.symplectic or self.reversible
@@ -79,7 +88,7 @@ def subsystems(system: PeriodicSystem) -> tuple[Subsystem, ...]:
     constant = np.array([system.gyroscopic, system.damping, system.stiffness])
     matrices = np.concatenate([constant, system.cosine, system.sine])
     bases = invariant_subspaces(inverse @ matrices @ inverse.T)
-    return tuple(_subsystem(system, matrices, inverse.T @ X) for X in bases if not _is_rigid(matrices, inverse.T @ X))
+    return tuple(_subsystem(system, matrices, inverse.T @ X) for X in bases if not is_rigid(matrices, inverse.T @ X))
 
 
 def rigid_motions(system: PeriodicSystem) -> int:
@@ -91,7 +100,7 @@ def rigid_motions(system: PeriodicSystem) -> int:
     return system.size - sum(len(subsystem.K) for subsystem in subsystems(system))
 
 
-def _is_rigid(matrices: FloatArray, V: FloatArray) -> bool:
+def is_rigid(matrices: FloatArray, V: FloatArray) -> bool:
     """Return whether none of ``matrices`` (p, n, n) acts on an independent motion ``V`` (n, 1), but for rounding.
 
     Rounding is measured against the sums that cancel, not against the largest entry: a soft spring beside a stiff one

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from floquet.engine.doubling import Sampler
 from floquet.engine.eigen import eigenvalues, reciprocal_pairs, reciprocal_sums
+from floquet.engine.parts import AnySampler
 from floquet.engine.stability import DominantMultiplier, discrepancy, dominant_multiplier, dominant_of_sums
 from periodic.checks import ComplexArray, FloatArray
 
@@ -51,7 +51,7 @@ class ReciprocalSums(NamedTuple):
 Spectra = Multipliers | ReciprocalSums
 
 
-def spectra(sampler: Sampler, eps: FloatArray, L: int, tolerance: float) -> Spectra:
+def spectra(sampler: AnySampler, eps: FloatArray, L: int, tolerance: float) -> Spectra:
     """Return all multipliers at the amplitudes ``eps``, from 2^L steps a period: their sums if they come in pairs."""
     kind, solve = (ReciprocalSums, reciprocal_sums) if sampler.subsystem.symplectic else (Multipliers, eigenvalues)
     parts: list[tuple[Any, ...]] = []

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from floquet.engine.coordinates import Subsystem, subsystems
-from floquet.engine.doubling import INTERPOLATION_TOLERANCE, Sampler, Workspace, largest_amplitude
+from floquet.engine.doubling import INTERPOLATION_TOLERANCE, Workspace, largest_amplitude
 from floquet.engine.multipliers import Spectra, discrepancies, spectra
+from floquet.engine.parts import AnySampler, AnySubsystem, parts_of, sampler_of
 from floquet.running import single_blas_thread
-from periodic import PeriodicSystem
+from periodic import AnySystem
 from periodic.checks import FloatArray
 
 # Steps in one cycle of the fastest motion. With fewer than two and a bit, the steps themselves are in resonance with
@@ -28,24 +28,29 @@ MEASURED_AMPLITUDES = 6  # of a column, at which its error is measured
 FINER_TOLERANCE = INTERPOLATION_TOLERANCE / 10
 
 
-def steps_needed(systems: Sequence[PeriodicSystem], Omega: FloatArray, eps: FloatArray) -> float:
+def steps_needed(systems: Sequence[AnySystem], Omega: FloatArray, eps: FloatArray) -> float:
     """Return how many steps in one cycle of the fastest motion the given columns need.
 
     ``systems`` are those at the frequencies ``Omega``. The result is meant for `floquet.engine.chart_batch`.
+
+    Raises
+    ------
+    ValueError
+        If a period has too many cycles of the fastest motion, or a mass becomes singular within it.
     """
     work = Workspace()
     with single_blas_thread():
         needed = [
             _needed_steps(subsystem, float(frequency), eps, work)
             for system, frequency in zip(systems, Omega, strict=True)
-            for subsystem in subsystems(system)
+            for subsystem in parts_of(system, float(frequency), eps)
         ]
     return max(needed, default=MIN_STEPS_PER_CYCLE)
 
 
-def _needed_steps(subsystem: Subsystem, Omega: float, eps: FloatArray, work: Workspace) -> float:
+def _needed_steps(subsystem: AnySubsystem, Omega: float, eps: FloatArray, work: Workspace) -> float:
     """Return how many steps in one cycle of the fastest motion bring the error at ``Omega`` down to TARGET_ERROR."""
-    sampler, some = Sampler.of(subsystem, Omega, work), eps[measured_amplitudes(eps)]
+    sampler, some = sampler_of(subsystem, Omega, work), eps[measured_amplitudes(eps)]
     steps = MIN_STEPS_PER_CYCLE
     while True:
         L = log2_steps(subsystem, Omega, eps, steps)
@@ -58,7 +63,7 @@ def _needed_steps(subsystem: Subsystem, Omega: float, eps: FloatArray, work: Wor
             return steps
 
 
-def step_errors(sampler: Sampler, found: Spectra, eps: FloatArray, L: int) -> FloatArray:
+def step_errors(sampler: AnySampler, found: Spectra, eps: FloatArray, L: int) -> FloatArray:
     """Return E (k,) of the multipliers ``found`` at the amplitudes ``eps`` with 2^L steps, by twice as many steps."""
     return discrepancies(found, spectra(sampler, eps, L + 1, FINER_TOLERANCE))
 
@@ -70,12 +75,12 @@ def measured_amplitudes(eps: FloatArray) -> list[int]:
     return excited[np.rint(places).astype(int)].tolist()
 
 
-def fastest(subsystem: Subsystem, Omega: float, eps: FloatArray) -> float:
+def fastest(subsystem: AnySubsystem, Omega: float, eps: FloatArray) -> float:
     """Return the rate of the fastest motion: of the system at its stiffest, or of the excitation."""
-    return max(math.sqrt(subsystem.rate**2 + largest_amplitude(eps) * subsystem.modulation), len(subsystem.Fc) * Omega)
+    return subsystem.fastest(Omega, largest_amplitude(eps))
 
 
-def log2_steps(subsystem: Subsystem, Omega: float, eps: FloatArray, steps_per_cycle: float) -> int:
+def log2_steps(subsystem: AnySubsystem, Omega: float, eps: FloatArray, steps_per_cycle: float) -> int:
     """Return L for a period of 2^L steps, at least ``steps_per_cycle`` in one cycle of the fastest motion.
 
     Raises

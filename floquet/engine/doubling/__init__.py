@@ -16,7 +16,35 @@ are combinations of a few samples (`sampling`).
 [1.0, 1.367115]
 """
 
-from floquet.engine.doubling.sampling import Sampler, Workspace, largest_amplitude
-from floquet.engine.doubling.schedule import INTERPOLATION_TOLERANCE
+from floquet.engine.doubling.doubling import Scale, cancellation, doublings
+from floquet.engine.doubling.interpolation import chebyshev_points, chebyshev_weights, degree
+from floquet.engine.doubling.sampling import (
+    Piece,
+    Sampler,
+    Workspace,
+    combination_norms,
+    in_lanes,
+    largest_amplitude,
+)
+from floquet.engine.doubling.schedule import INTERPOLATION_TOLERANCE, Schedule, growth_bounds, quantised
+from floquet.engine.doubling.step import exponential
 
-__all__ = ["INTERPOLATION_TOLERANCE", "Sampler", "Workspace", "largest_amplitude"]
+__all__ = [
+    "INTERPOLATION_TOLERANCE",
+    "Piece",
+    "Sampler",
+    "Scale",
+    "Schedule",
+    "Workspace",
+    "cancellation",
+    "chebyshev_points",
+    "chebyshev_weights",
+    "combination_norms",
+    "degree",
+    "doublings",
+    "exponential",
+    "growth_bounds",
+    "in_lanes",
+    "largest_amplitude",
+    "quantised",
+]

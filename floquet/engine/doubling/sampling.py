@@ -109,10 +109,16 @@ class Sampler:
 
         None if that takes too many samples.
         """
-        rate = sum(self.equations.strength) * self.period
-        x = growth_bounds(self.equations.strength, self.period * largest_amplitude(eps))
-        across = quantised(rate * (float(eps[-1]) - float(eps[0])) / 2)
+        x, across = self.growth(largest_amplitude(eps)), self.growth_across(float(eps[0]), float(eps[-1]))
         return _interpolation(x, across, eps.tobytes(), L, tolerance, MAX_SAMPLE_ENTRIES // self.size**2)
+
+    def growth(self, largest: float) -> tuple[float, ...]:
+        """Return bounds on the logarithm of the growth in one period by each harmonic, at the amplitude ``largest``."""
+        return growth_bounds(self.equations.strength, self.period * largest)
+
+    def growth_across(self, low: float, high: float) -> tuple[float, ...]:
+        """Return the growth in one period between the middle and the ends of some amplitudes, by powers of eps."""
+        return (quantised(sum(self.equations.strength) * self.period * (high - low) / 2),)
 
     def _interpolated(self, eps: FloatArray, L: int, tolerance: float) -> Piece | None:
         """Return a piece with samples at Chebyshev points; None if they would be too many, or are too unequal."""
@@ -121,7 +127,7 @@ class Sampler:
             return None
         scale = unit_scale(1)
         samples = self._sample(plan.schedule, largest_amplitude(eps), L, scale)
-        norms, alike = _norms(samples, plan.weights)
+        norms, alike = combination_norms(samples, plan.weights)
         if not alike:
             return None
         scale = Scale(*(part.repeat(len(eps)) for part in scale))
@@ -133,7 +139,7 @@ class Sampler:
         None if there are several amplitudes, and their samples need too much memory.
         """
         largest = largest_amplitude(eps)
-        x = growth_bounds(self.equations.strength, self.period * largest)
+        x = self.growth(largest)
         stop, B, phases = 0, 2**L, phase_count(2**L, x, tolerance)
         while stop < L:
             fewer = phase_count(B // 2, x, tolerance)
@@ -143,11 +149,16 @@ class Sampler:
         if stop < L and len(eps) > 1:
             return None
         amplitudes, scale = eps / (largest or 1.0), unit_scale(len(eps))
-        P = self._sample(schedule(x, 0.0, amplitudes.tobytes(), phases, B, stop, tolerance), largest, L, scale)
+        P = self._sample(
+            schedule(x, self.growth_across(largest, largest), amplitudes.tobytes(), phases, B, stop, tolerance),
+            largest,
+            L,
+            scale,
+        )
         if stop < L:
             P, scale = self._ordered_product(P, B, sum(x), scale)
         weights = in_lanes(np.eye(len(eps)))
-        return Piece(slice(0), P, weights, scale, _norms(P, weights)[0][: len(eps)])
+        return Piece(slice(0), P, weights, scale, combination_norms(P, weights)[0][: len(eps)])
 
     def _fits(self, matrices: int, growth: float) -> bool:
         """Return whether so many matrices fit into one array, and their growth into the range of floats."""
@@ -173,7 +184,7 @@ class Sampler:
             halvings += 1
         count = 2**halvings
         # growth without bound: all of the factors are kept, and none is interpolated
-        plan = schedule((np.inf,), 0.0, np.ones(1).tobytes(), 1, 1, halvings, INTERPOLATION_TOLERANCE)
+        plan = schedule((np.inf,), (0.0,), np.ones(1).tobytes(), 1, 1, halvings, INTERPOLATION_TOLERANCE)
         work = Workspace().arrays(count * N * N)
         product, total = np.eye(N)[None], unit_scale(1)
         for start in range(0, B, count):
@@ -203,16 +214,16 @@ class Interpolation(NamedTuple):
 
 @memoized
 def _interpolation(
-    x: tuple[float, ...], across: float, cells: bytes, L: int, tolerance: float, max_matrices: int
+    x: tuple[float, ...], across: tuple[float, ...], cells: bytes, L: int, tolerance: float, max_matrices: int
 ) -> Interpolation | None:
     """Return the interpolation at the amplitudes ``cells`` (an array of floats as bytes).
 
     None if it takes as many samples as there are amplitudes, or more than ``max_matrices`` at a time. ``x`` is that of
-    `growth_bounds`; ``across`` is the growth between the middle of the amplitudes and their ends.
+    `growth_bounds`; ``across`` is the growth between the middle of the amplitudes and their ends, by powers of eps.
     """
     eps = np.frombuffer(cells)
     middle, radius = (eps[-1] + eps[0]) / 2, (eps[-1] - eps[0]) / 2
-    count = degree((across,), tolerance) + 1
+    count = degree(across, tolerance) + 1
     # the second bound holds at the level where phases are not interpolated any more
     if count >= len(eps) or count * sum(x) / MAX_PHASE_GROWTH > max_matrices:
         return None
@@ -248,7 +259,7 @@ def _samples(
 
 
 @njit(cache=True, nogil=True)
-def _norms(samples: FloatArray, weights: FloatArray) -> tuple[FloatArray, bool]:
+def combination_norms(samples: FloatArray, weights: FloatArray) -> tuple[FloatArray, bool]:
     """Return the norms of combinations of ``samples``, and whether the samples are alike in size.
 
     Weights and norms are those of `Piece`.

@@ -11,7 +11,7 @@ those of an exponential: where a grid takes 45 samples, 15 determine P. They are
 that are as general as P may be, at all points where values of P are needed. A QR factorisation with column pivoting
 then chooses the points from which the values at all others follow. The weights stay of order one, so that rounding
 errors do not grow from doubling to doubling. With several harmonics the gain is small, and the choice takes long: there
-a grid is used.
+a grid is used. With other powers of eps than the first, P is no such function.
 """
 
 from __future__ import annotations
@@ -150,21 +150,28 @@ def phase_count(B: int, x: tuple[float, ...], tolerance: float) -> int:
 
 @memoized
 def schedule(
-    x: tuple[float, ...], across: float, amplitudes: bytes, phases: int, B: int, levels: int, tolerance: float
+    x: tuple[float, ...],
+    across: tuple[float, ...],
+    amplitudes: bytes,
+    phases: int,
+    B: int,
+    levels: int,
+    tolerance: float,
 ) -> Schedule:
     """Plan the last ``levels`` doublings, from the last one back.
 
     They are to end with the products over a B-th part of a period that begin at so many equispaced ``phases``.
-    ``amplitudes`` (an array of floats as bytes) are relative to the largest. If ``across`` is positive, they are the
+    ``amplitudes`` (an array of floats as bytes) are relative to the largest. If ``across`` is not zero, they are the
     Chebyshev points of their range, and ``across`` is the growth in one period between the middle and the ends of the
-    range. If it is zero, all doublings are done for these amplitudes. ``x`` is that of `growth_bounds`.
+    range, one number for each power of eps. If it is zero, all doublings are done for these amplitudes. ``x`` is that
+    of `growth_bounds`.
     """
     eps, theta = np.frombuffer(amplitudes), 2 * np.pi * np.arange(phases) / phases
     end, plans, grid = (phases, len(eps)), [], [True]
     theta, eps, points = np.repeat(theta, len(eps)), np.tile(eps, phases), eps
     for _ in range(levels):
         B *= 2
-        several = np.count_nonzero(x) > 1
+        several = np.count_nonzero(x) > 1 or len(across) > 1
         if grid[-1] and (sum(x) / B > MAX_PHASE_GROWTH or several or 2 * len(theta) > MAX_WANTED_POINTS):
             plan = _grid(phases, points, x, across, B, tolerance)
             phases, points = plan.phases, plan.eps[: plan.amplitudes]
@@ -191,12 +198,14 @@ def schedule(
     )
 
 
-def _grid(phases: int, points: FloatArray, x: tuple[float, ...], across: float, B: int, tolerance: float) -> _Doubling:
+def _grid(
+    phases: int, points: FloatArray, x: tuple[float, ...], across: tuple[float, ...], B: int, tolerance: float
+) -> _Doubling:
     """Return the doubling that ends with the amplitudes ``points`` at ``phases`` and begins with a grid."""
     k, p = len(points), phase_count(B, x, tolerance)
     m, across_amplitudes = k, np.empty((0, 0))
-    if across > 0:
-        m = min(degree((across / B,), tolerance) + 1, k)
+    if any(across):
+        m = min(degree(tuple(each / B for each in across), tolerance) + 1, k)
     if m != k:
         relative = chebyshev_points(k)
         across_amplitudes = exact_for_constants(chebyshev_weights(m, relative))

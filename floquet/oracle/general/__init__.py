@@ -1,8 +1,8 @@
 """Any linear periodic system, E(t) y' = A(t) y, over one period.
 
-`splitting` takes a system apart into independent subsystems, each in coordinates that suit it; `structure` finds out
-what is known of their multipliers; `coefficients` has E and A as functions of time. `period` takes a subsystem over a
-period, from jump to jump: by Taylor series (`series`), and by exponentials where all is constant.
+`splitting` takes a system apart into independent subsystems, each in coordinates that suit it; `coefficients` has E and
+A as functions of time. `period` takes a subsystem over a period, from jump to jump: by Taylor series (`series`), and by
+exponentials where all is constant.
 
 >>> from floquet.oracle.general import passage, split
 >>> from periodic import FirstOrderSystem, Term, waveforms

@@ -9,11 +9,11 @@ import numpy as np
 import scipy.linalg as sla
 
 from floquet.oracle.general.coefficients import Coefficients, Part, coefficients
-from floquet.oracle.general.structure import conserved_form, is_reversible, skew_form
 from floquet.oracle.reduction import coordinate_sets, driven_scales, elastic_basis
 from floquet.oracle.rigid import rigid_motions
 from periodic import AnySystem, FirstOrderSystem, PeriodicSystem, Term, check_mass, waveforms
 from periodic.checks import FloatArray
+from periodic.structure import conserved_form, is_reversible, skew_form
 
 
 class GeneralSubsystem(NamedTuple):
@@ -73,9 +73,7 @@ def _projected(system: PeriodicSystem, basis: FloatArray) -> PeriodicSystem:
     """Return the system of the motions W = basis @ q."""
     if basis.shape[0] == basis.shape[1] and (basis == np.eye(len(basis))).all():
         return system
-    constant = (system.mass, system.gyroscopic, system.damping, system.stiffness, system.cosine, system.sine)
-    terms = [Term(t.of, basis.T @ t.matrix @ basis, t.waveform, t.power) for t in system.terms]
-    return PeriodicSystem(*(basis.T @ S @ basis for S in constant), terms=terms)
+    return system.restricted(basis)
 
 
 def _second_order(

@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 
 from floquet import Kind, monodromy
 from floquet.oracle import is_unstable
-from floquet.oracle.general.structure import conserved_form, is_reversible, skew_form
 from periodic import AnySystem, FirstOrderSystem, PeriodicSystem, Term, waveforms
 from periodic.examples import coupled_mathieu, meissner
+from periodic.structure import conserved_form, is_reversible, skew_form
 from tests.floquet.general_oracles import dop853, random_first_order, random_second_order
 from tests.general_systems import Reference, references_general
 from tests.strategies import seeds

@@ -167,7 +167,7 @@ NODES = 25
 def planned(x: tuple[float, ...], lowest: float, levels: int) -> tuple[Schedule, FloatArray]:
     """A plan that ends with the monodromy matrices at Chebyshev points of lowest <= eps <= 1, and these points."""
     points = (1 + lowest) / 2 + (1 - lowest) / 2 * chebyshev_points(NODES)
-    across = sum(x) * (1 - lowest) / 2
+    across = (sum(x) * (1 - lowest) / 2,)
     return schedule(x, across, (points / points[0]).tobytes(), 1, 1, levels, INTERPOLATION_TOLERANCE), points
 
 
@@ -251,7 +251,7 @@ def test_doubling_is_the_ordered_product(seed: int, n: int, harmonics: int, damp
 @pytest.mark.kernel
 def test_doubling_a_single_phase() -> None:
     # constant coefficients: one phase, one amplitude, repeated squaring
-    plan = schedule((0.0,), 0.0, np.ones(1).tobytes(), 1, 1, 3, INTERPOLATION_TOLERANCE)
+    plan = schedule((0.0,), (0.0,), np.ones(1).tobytes(), 1, 1, 3, INTERPOLATION_TOLERANCE)
     assert plan.sizes.tolist() == [1, 1, 1, 1]
     P = sla.expm([[0.0, 0.1], [-0.1, 0.0]])
     assert doubled(plan, P[None])[0] == pytest.approx(np.linalg.matrix_power(P, 8), abs=1e-14)
@@ -272,7 +272,7 @@ def test_little_memory_changes_nothing(monkeypatch: pytest.MonkeyPatch, entries:
 @pytest.mark.parametrize("x", [(0.01,), (10.0,), (0.5, 0.3), (3.0, 1.0, 1.0)])
 def test_interpolation_is_exact_for_constants(x: tuple[float, ...]) -> None:
     # what a constant is off adds up from step to step; without care it is 10 to 30 units
-    plan = schedule(x, x[0], np.linspace(-1, 1, 9).tobytes(), 1, 1, 10, INTERPOLATION_TOLERANCE)
+    plan = schedule(x, x[:1], np.linspace(-1, 1, 9).tobytes(), 1, 1, 10, INTERPOLATION_TOLERANCE)
     for weights in interpolations(plan):
         assert max(abs(math.fsum(row) - 1) for row in weights) < 8 * np.finfo(float).eps
     shear = np.broadcast_to([[1.0, 2.0**-20], [0.0, 1.0]], (plan.sizes[0], 2, 2))  # its products have no rounding
@@ -305,7 +305,10 @@ def test_cancellation_is_noted() -> None:
     # rotations lose nothing; growth in one half of the period against decay in the other does
     turn = sla.expm([[0.0, 0.3], [-0.3, 0.0]])
     saddle = np.diag([1e4, 1e-4])
-    plan = schedule((np.inf,), 0.0, np.ones(1).tobytes(), 1, 1, 1, INTERPOLATION_TOLERANCE)  # both halves as they are
+    # both halves as they are
+    plan = schedule(
+        (np.inf,), (0.0,), np.ones(1).tobytes(), 1, 1, 1, INTERPOLATION_TOLERANCE
+    )  # both halves as they are
     losses = []
     for first, second in ((turn, turn), (saddle, np.linalg.inv(saddle))):
         scale, work = unit_scale(1), (np.concatenate([first.ravel(), second.ravel()]), np.empty(8))

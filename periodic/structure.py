@@ -1,4 +1,4 @@
-"""What structure a general system has: multipliers come in reciprocal pairs only where it is there.
+"""What structure a system has: multipliers come in reciprocal pairs only where it is there.
 
 A second-order system M W'' + V W' + K W = 0, with all matrices depending on time, is Hamiltonian if its symmetric
 damping is M' and the skew part of its stiffness is half the derivative of the skew part of V: it then follows from the
@@ -13,8 +13,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from periodic import FirstOrderSystem, PeriodicSystem, Term, waveforms
+from periodic import waveforms
 from periodic.checks import FloatArray
+from periodic.first_order import FirstOrderSystem
+from periodic.system import PeriodicSystem
+from periodic.terms import Term
 
 # Defect of a symmetry that counts as rounding, as a part of the largest entries that it compares.
 STRUCTURE_DEFECT = 1e-13
@@ -56,8 +59,8 @@ def conserved_form(system: PeriodicSystem, Omega: float, eps: float) -> FloatArr
 def is_reversible(system: PeriodicSystem, eps: float) -> bool:
     """Return whether, seen from some instant on, M and K are even in time and V is odd."""
     pulses = [term for term in system.terms if isinstance(term.waveform, waveforms.Impulses)]
-    if any(term.of != "stiffness" for term in pulses):
-        return False
+    if any(term.of != "stiffness" for term in pulses) or system.damping.any() or system.gyroscopic.any():
+        return False  # a constant is not odd
     phases = _phases(system)
     for axis in _axes(system):
         ahead, back = (system.matrices(2 * np.pi * axis + sign * phases, eps) for sign in (1, -1))

@@ -1,0 +1,254 @@
+"""Monodromy matrices of a general subsystem at one frequency and many amplitudes, as samples to interpolate between."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from functools import lru_cache, reduce
+from itertools import pairwise
+
+import numpy as np
+
+from floquet.engine.doubling import (
+    Piece,
+    Sampler,
+    Scale,
+    Schedule,
+    Workspace,
+    cancellation,
+    chebyshev_points,
+    chebyshev_weights,
+    combination_norms,
+    degree,
+    exponential,
+    growth_bounds,
+    in_lanes,
+    quantised,
+)
+from floquet.engine.general.step import GAUSS_OFFSET, general_samples, stretch
+from floquet.engine.general.subsystems import GeneralSubsystem, Harmonics, largest_value, numerical_radius
+from periodic.checks import FloatArray
+from periodic.waveforms import Impulses, Piecewise, Trigonometric, Waveform
+
+# Parts of a period whose products are examined for cancellation.
+WATCHED_PARTS = 8
+# Amplitudes at which a mass that depends on time is sampled at first; they are doubled until the series in eps ends.
+FIRST_MASS_SAMPLES = 9
+
+
+class SmoothSampler(Sampler):
+    """Samples a subsystem with Fourier sums and constant mass: by doubling, as `Sampler` does for stiffness alone."""
+
+    def __init__(self, subsystem: GeneralSubsystem, smooth: Harmonics, Omega: float, work: Workspace) -> None:
+        self.subsystem, self.smooth, self.work = subsystem, smooth, work  # type: ignore[assignment]
+        self.size, self.Omega = subsystem.states, Omega
+        self.period = 2 * math.pi / Omega
+
+    def growth(self, largest: float) -> tuple[float, ...]:
+        """Return bounds on the logarithm of the growth in one period by each harmonic, at the amplitude ``largest``."""
+        J = int(max(self.smooth.harmonics.max(initial=0), 1))
+        strength = np.zeros(J)
+        moving = self.smooth.harmonics > 0
+        sizes = self.smooth.strength * largest**self.smooth.powers
+        np.add.at(strength, self.smooth.harmonics[moving].astype(int) - 1, sizes[moving])
+        return growth_bounds(tuple(strength.tolist()), self.period)
+
+    def growth_across(self, low: float, high: float) -> tuple[float, ...]:
+        """Return the growth in one period between the middle and the ends of some amplitudes, by powers of eps."""
+        found = _growth_across(self.smooth.powers, self.smooth.strength * self.period, low, high)
+        # what grows with eps at all phases alike counts as a power of its own: samples are on a grid
+        return found if self.smooth.harmonics.all() else (*found, 0.0)
+
+    def _sample(self, plan: Schedule, largest: float, L: int, scale: Scale) -> FloatArray:
+        work = self.work.arrays(plan.max_matrices * self.size**2)
+        h = self.period / 2**L
+        return general_samples(self.subsystem.A, *self.smooth[:4], h, self.Omega, largest, plan, scale, work)  # type: ignore[attr-defined]
+
+
+class JumpSampler:
+    """Samples any subsystem, from jump to jump: exponentials where all is constant there, steps where it is not.
+
+    The matrices are interpolated in eps, in which they are entire; with a mass that depends on time they are only
+    analytic, and the number of samples is measured.
+    """
+
+    def __init__(self, subsystem: GeneralSubsystem, Omega: float) -> None:
+        self.subsystem, self.Omega, self.period = subsystem, Omega, 2 * math.pi / Omega
+        self.steady = [part for part in subsystem.parts if not isinstance(part.waveform, Impulses)]
+        self.pulses = [part for part in subsystem.parts if isinstance(part.waveform, Impulses)]
+        self.mass = any(part.E.any() for part in subsystem.parts)
+        N = subsystem.states
+        self.X = np.array([part.A for part in self.steady]).reshape(-1, N, N)
+        self.Y = np.array([part.E for part in self.steady]).reshape(-1, N, N)
+        self.powers = np.array([float(part.power) for part in self.steady])
+
+    def pieces(self, eps: FloatArray, L: int, tolerance: float) -> Iterator[Piece]:
+        """Yield pieces that together cover ``eps``; where steps are needed, from about 2^L steps a period."""
+        stack = [slice(0, len(eps))]
+        while stack:
+            cells = stack.pop()
+            piece = self._interpolated(eps[cells], L, tolerance)
+            if piece is None and cells.stop - cells.start > 1:
+                middle = cells.start + (cells.stop - cells.start) // 2
+                stack += [slice(middle, cells.stop), slice(cells.start, middle)]
+                continue
+            yield (piece or self._direct(eps[cells], L))._replace(cells=cells)
+
+    def matrices(self, eps: FloatArray, L: int, tolerance: float) -> FloatArray:
+        """Return the monodromy matrices at a few amplitudes, (k, N, N), whose growth is within the range of floats."""
+        found, scale = self._monodromies(eps, L)
+        return found * np.exp2(scale.exponents)[:, None, None]
+
+    def _interpolated(self, eps: FloatArray, L: int, tolerance: float) -> Piece | None:
+        """Return a piece with samples at Chebyshev points; None if they would be too many, or are too unequal."""
+        middle, radius = (eps[-1] + eps[0]) / 2, (eps[-1] - eps[0]) / 2
+        count = FIRST_MASS_SAMPLES if self.mass else self._count(eps, tolerance)
+        while count < len(eps):
+            points = chebyshev_points(count)
+            samples, scale = self._monodromies(middle + radius * points, L)
+            top = float(scale.exponents.max())
+            samples *= np.exp2(np.maximum(scale.exponents - top, -1000.0))[:, None, None]
+            if not self.mass or _has_ended(samples, tolerance):
+                weights = in_lanes(chebyshev_weights(count, (eps - middle) / radius))
+                norms, alike = combination_norms(samples, weights)
+                if not alike:
+                    return None
+                whole = Scale(np.full(len(eps), top), np.full(len(eps), scale.losses.max()))
+                return Piece(slice(0), samples, weights, whole, norms[: len(eps)])
+            count = 2 * count - 1
+        return None
+
+    def _direct(self, eps: FloatArray, L: int) -> Piece:
+        samples, scale = self._monodromies(eps, L)
+        weights = in_lanes(np.eye(len(eps)))
+        return Piece(slice(0), samples, weights, scale, combination_norms(samples, weights)[0][: len(eps)])
+
+    def _count(self, eps: FloatArray, tolerance: float) -> int:
+        """Return how many samples in eps are enough."""
+        sizes = [self.period * numerical_radius(part.A) * largest_value(part.waveform) for part in self.steady]
+        sizes += [numerical_radius(part.A) * largest_value(part.waveform) for part in self.pulses]
+        powers = np.array([part.power for part in (*self.steady, *self.pulses)])
+        return degree(_growth_across(powers, np.array(sizes), float(eps[0]), float(eps[-1])), tolerance) + 1
+
+    def _monodromies(self, eps: FloatArray, L: int) -> tuple[FloatArray, Scale]:
+        """Return the monodromy matrices at the amplitudes ``eps``, (k, N, N), and their scales."""
+        pairs = [self._monodromy(float(one), L) for one in eps]
+        matrices, exponents, losses = zip(*pairs, strict=True)
+        return np.array(matrices), Scale(np.array(exponents), np.array(losses))
+
+    def _monodromy(self, eps: float, L: int) -> tuple[FloatArray, float, float]:
+        """Return the monodromy matrix at one amplitude divided by a power of two, the exponent, and the loss."""
+        waves = tuple(part.waveform for part in self.steady)
+        jumps = tuple(sorted({jump for part in self.subsystem.parts for jump in part.waveform.jumps}))
+        N = self.subsystem.states
+        factors = eps**self.powers
+        product, exponent, loss = np.eye(N), 0.0, 1.0
+        for a, b, values, constant in _stretches(waves, jumps, L):
+            h = self.period * (b - a) / values.shape[1]
+            part = stretch(self.subsystem.A, self.X, self.Y, factors, values, h, self.mass, constant, np.eye(N))
+            if b % 1.0 in jumps:
+                part = self._jump(eps, b, jumps) @ part
+            before, product = product, part @ product
+            loss = max(loss, cancellation(part, before, product))
+            shift = float(np.frexp(np.abs(product).max())[1])
+            product, exponent = np.ldexp(product, -int(shift)), exponent + shift
+        return product, exponent, loss
+
+    def _jump(self, eps: float, phase: float, jumps: tuple[float, ...]) -> FloatArray:
+        """Return the matrix of a jump: momenta go on, and pulses turn the state by an exponential."""
+        N, place = self.subsystem.states, phase % 1.0
+        jump: FloatArray = np.eye(N)
+        after = jump
+        if self.mass:
+            ends = [0.0, *(x for x in jumps if x), 1.0]
+            before_width = phase - max(x for x in ends if x < phase)
+            after_width = min(x for x in ends if x > place) - place
+            before, after = (
+                self._mass(eps, x, inside)
+                for x, inside in ((phase, phase - before_width / 2), (place, place + after_width / 2))
+            )
+            jump = np.asarray(np.linalg.solve(after, before), dtype=np.float64)
+        kicks = [
+            eps**part.power * weight * part.A
+            for part in self.pulses
+            if isinstance(part.waveform, Impulses)
+            for where, weight in zip(part.waveform.phases, part.waveform.weights, strict=True)
+            if where == place
+        ]
+        if kicks:
+            kick: FloatArray = np.asarray(np.linalg.solve(after, reduce(np.add, kicks)), dtype=np.float64)
+            jump = exponential(kick) @ jump
+        return jump
+
+    def _mass(self, eps: float, phase: float, inside: float) -> FloatArray:
+        """Return E at a phase, by the formulas that hold at the phase ``inside``."""
+        total = np.eye(self.subsystem.states)
+        for part in self.steady:
+            if part.E.any():
+                total += eps**part.power * _one_sided(part.waveform, phase, inside) * part.E
+        return total
+
+
+def general_sampler(subsystem: GeneralSubsystem, Omega: float, work: Workspace) -> SmoothSampler | JumpSampler:
+    """Return the sampler of a general subsystem."""
+    if subsystem.smooth is not None:
+        return SmoothSampler(subsystem, subsystem.smooth, Omega, work)
+    return JumpSampler(subsystem, Omega)
+
+
+def _growth_across(powers: FloatArray, sizes: FloatArray, low: float, high: float) -> tuple[float, ...]:
+    """Return the growth between the middle m and the ends m ± r of a range of amplitudes, by powers of z in m + r z.
+
+    (m + r z)^p is the sum of binomials (p, q) m^(p - q) r^q z^q.
+    """
+    middle, radius = abs(high + low) / 2, (high - low) / 2
+    found = np.zeros(int(max(powers.max(initial=1), 1)))
+    for power, size in zip(powers.astype(int).tolist(), sizes.tolist(), strict=True):
+        for q in range(1, power + 1):
+            found[q - 1] += size * math.comb(power, q) * middle ** (power - q) * radius**q
+    return tuple(map(quantised, found.tolist()))
+
+
+def _one_sided(waveform: Waveform, phase: float, inside: float) -> float:
+    """Return g at a phase by the formula that holds at the phase ``inside``; both are parts of a period."""
+    if isinstance(waveform, Piecewise):
+        piece, x, slope = waveform.piece_at(2 * np.pi * inside)
+        return float(np.polynomial.polynomial.polyval(x + slope * 2 * np.pi * (phase - inside), np.array(piece)))
+    assert isinstance(waveform, Trigonometric)
+    return float(waveform.values(2 * np.pi * phase))
+
+
+def _has_ended(samples: FloatArray, tolerance: float) -> bool:
+    """Return whether the last Chebyshev coefficients of samples (m, N, N) are below ``tolerance``."""
+    m = len(samples)
+    order = np.arange(m - 2, m)
+    coefficients = np.cos(np.outer(order, np.arccos(chebyshev_points(m)))) * (2 / m)
+    last = np.tensordot(coefficients, samples, 1)
+    return bool(np.linalg.norm(last, axis=(1, 2)).max() <= tolerance * np.linalg.norm(samples, axis=(1, 2)).min())
+
+
+@lru_cache(maxsize=256)
+def _stretches(
+    waves: tuple[Waveform, ...], jumps: tuple[float, ...], L: int
+) -> list[tuple[float, float, FloatArray, bool]]:
+    """Return the parts of a period between jumps, cut further so that cancellation shows: begin, end, the waveforms at
+    the Gauss points of their steps (R, steps, 2), and whether all are constant there."""
+    constant = all(
+        wave.is_constant_between_jumps if isinstance(wave, Piecewise) else not wave.jumps and wave.fourier(0)[2] == 0
+        for wave in waves
+        if not isinstance(wave, Impulses)
+    )
+    ends = sorted({0.0, 1.0, *jumps})
+    found = []
+    for a, b in pairwise(ends):
+        parts = max(1, math.ceil((b - a) * WATCHED_PARTS))
+        cuts = np.linspace(a, b, parts + 1)
+        cuts[0], cuts[-1] = a, b
+        for start, stop in pairwise(cuts.tolist()):
+            steps = max(1, math.ceil((stop - start) * 2**L))
+            middles = start + (stop - start) * (np.arange(steps) + 0.5) / steps
+            offset = GAUSS_OFFSET * (stop - start) / steps
+            points = np.stack([middles - offset, middles + offset], axis=1)
+            values = np.array([wave.values(2 * np.pi * points) for wave in waves if not isinstance(wave, Impulses)])
+            found.append((start, stop, values.reshape(len(waves), steps, 2), constant))
+    return found
