@@ -113,8 +113,11 @@ def gyroscopic_modes(system: PeriodicSystem) -> GyroscopicModes:
             "stiffness is singular to rounding; give a positive definite one (floquet/ takes any stiffness)"
         )
     w = solve_triangular(L_K.T, y[n:, n:], lower=False)
+    largest = np.take_along_axis(w, np.abs(w).argmax(axis=0)[None], axis=0)
+    w *= largest.conj() / np.abs(largest)
     for group in _repeated(omega):
-        w[:, group] = w[:, group] @ _canonical_turn(w[:, group])
+        if group.stop - group.start > 1:
+            w[:, group] = w[:, group] @ _canonical_turn(w[:, group])
     norm = _forms(w, M) * omega**2 + _forms(w, K)
     w *= np.sqrt(2.0 / norm)  # eq. (15)
     modes = GyroscopicModes(omega, w, np.zeros(n))
