@@ -168,10 +168,13 @@ def _claims(options: argparse.Namespace) -> list[ClaimVerdict]:
     claims = judge_claims(n_jobs=options.jobs, progress=not options.no_progress, quick=options.quick)
     print("\nThe paper's claims")
     for claim in claims:
-        count = len(claim.counter_examples)
-        traced = f"{count} counter-example{'s' if count > 1 else ''} traced" if count else ""
-        doubt = "" if claim.is_decided else "NOT CONFIRMED by integration"
-        print(f"  {claim.name:<48}{claim.verdict.value:<18}  {doubt or traced}")
+        print(f"\n  {claim.name}")
+        for judgement in claim.judgements:
+            count = len(judgement.counter_examples)
+            traced = f"{count} counter-example{'s' if count > 1 else ''} traced" if count else ""
+            doubt = "" if judgement.is_decided else "NOT CONFIRMED by integration"
+            print(f"    {judgement.scope.value:<28}{judgement.sentence:<42}  {doubt or traced}".rstrip())
+        print(f"    {claim.conclusion}")
     return claims
 
 

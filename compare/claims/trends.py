@@ -2,58 +2,67 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from itertools import pairwise, product
 
-from compare.claims.evidence import ClaimVerdict, Finding, judged
+from compare.claims.evidence import Finding
+from compare.claims.judgement import Instances
 from compare.claims.quantities import Quantity, Region, distance, middle, regions, width
-from compare.claims.survey import ClaimRange, NamedPlate, middle_part, part_name, some
+from compare.claims.scopes import Scope
+from compare.claims.survey import FIGURE_WIDTH, ClaimRange, NamedPlate, middle_part, part_name, some
 from plate import MovingPlate
 
 # A region whose middle moves by less than this part of its frequency has stayed in place, to the eye.
 POSITION_SHIFT_TOLERANCE = 0.002
 
 
-def narrower_load_shrinks(study: ClaimRange) -> ClaimVerdict:
+def narrower_load_shrinks(study: ClaimRange, scope: Scope) -> Instances:
     """Judge "as a symmetric load gets narrower, unstable regions shrink and move down"."""
-    findings = []
-    for r, speed in product(study.aspect_ratios, study.speeds):
-        plates = [_plate(study, r, speed, share) for share in study.widths]
-        findings += _trend(plates, study)
-    return judged(
-        "A narrower load shrinks the regions",
-        "As a symmetric edge load becomes narrower at the same total, unstable regions generally become smaller and "
-        "shift towards lower frequency (section IV on Fig. 4; conclusion 3).",
-        _scope(study),
-        findings,
-    )
+    if scope is Scope.WIDER:
+        all_series = [
+            [study.series_plate(r, speed, share) for share in study.widths]
+            for r, speed in product(study.aspect_ratios, study.speeds)
+        ]
+        said = _series_scope(study)
+    else:
+        all_series = [
+            [study.figure_plate(f0, 1.0, middle_part(share), part_name(share)) for share in (1.0, FIGURE_WIDTH)]
+            for f0 in study.figure_tensions
+        ]
+        said = f"Fig. 4: square plate; {study.figure_scope}"
+    return Instances(said, tuple(_trends(all_series, study, scope)))
 
 
-def longer_plate_shrinks(study: ClaimRange) -> ClaimVerdict:
+def longer_plate_shrinks(study: ClaimRange, scope: Scope) -> Instances:
     """Judge "as the aspect ratio increases, all regions shrink, move down and get closer"."""
-    findings = []
-    for share, speed in product(study.widths, study.speeds):
-        plates = [_plate(study, r, speed, share) for r in study.aspect_ratios]
-        findings += _trend(plates, study)
-        spread = [_spread(*plate, study) for plate in plates]
+    if scope is Scope.WIDER:
+        all_series = [
+            [study.series_plate(r, speed, share) for r in study.aspect_ratios]
+            for share, speed in product(study.widths, study.speeds)
+        ]
+        said = _series_scope(study)
+    else:
+        load, name = middle_part(FIGURE_WIDTH), part_name(FIGURE_WIDTH)
+        all_series = [
+            [study.figure_plate(f0, r, load, name) for r in study.figure_aspect_ratios] for f0 in study.figure_tensions
+        ]
+        said = f"Fig. 5: a/b = {some(study.figure_aspect_ratios)}, {name}; {study.figure_scope}"
+    findings = _trends(all_series, study, scope)
+    for series in all_series:
+        spread = [_spread(plate, study, scope) for plate in series]
         findings += [Finding("regions get closer", later, sooner) for sooner, later in pairwise(spread)]
-    return judged(
-        "A longer plate shrinks the regions",
-        "As the aspect ratio increases, all unstable regions reduce in size, shift towards lower frequency and get "
-        "closer (section IV on Fig. 5; conclusion 4).",
-        f"{_scope(study)}, numbered by frequency",
-        findings,
-    )
+    return Instances(f"{said}; regions numbered by frequency", tuple(findings))
 
 
-def damping_shrinks(study: ClaimRange) -> ClaimVerdict:
+def damping_shrinks(study: ClaimRange, scope: Scope) -> Instances:
     """Judge "damping shrinks every region, in place, and is favourable to stability"."""
+    said, plates = study.plates(scope, {"uniform load": study.plate.load})
     findings = []
-    for name, plate in study.survey({"uniform load": study.plate.load}):
-        elastic = regions(f"{name}, c = 0", plate, study.eps, modes=study.modes)
+    for name, plate, _ in plates:
+        elastic = _regions(f"{name}, c = 0", plate, study, scope)
         for c in study.dampings:
-            damped = regions(f"{name}, c = {c:g}", replace(plate, damping=c), study.eps, modes=study.modes)
+            damped = _regions(f"{name}, c = {c:g}", replace(plate, damping=c), study, scope)
             for pair, region in elastic.items():
                 if not region.is_open:
                     continue
@@ -67,48 +76,42 @@ def damping_shrinks(study: ClaimRange) -> ClaimVerdict:
                             tolerance=POSITION_SHIFT_TOLERANCE,
                         )
                     )
-    return judged(
-        "Damping shrinks the regions",
-        "Internal damping makes all unstable regions shrink upwards at the same location, some vanish, and so it "
-        "favours stability (section IV on Fig. 6; conclusion 5).",
-        f"{study.scope}; uniform load; c = {some(study.dampings)}; eps = {study.eps:g}",
-        findings,
-    )
+    said = said.replace("Fig. 2", "Figs. 2 and 6")
+    return Instances(f"{said}; c = {some(study.dampings)}; eps = {study.eps:g}", tuple(findings))
 
 
-def _scope(study: ClaimRange) -> str:
-    """Return the range of `_plate` in words."""
+def _series_scope(study: ClaimRange) -> str:
+    """Return the range of `ClaimRange.series_plate` in words."""
     return (
         f"a/b = {some(study.aspect_ratios)}; V = {some(study.speeds)}; f0 = {study.plate.tension:g}; loaded part "
-        f"{some(study.widths)}; modes 1 to {study.modes}"
+        f"{some(study.widths)}"
     )
 
 
-def _plate(study: ClaimRange, r: float, speed: float, share: float) -> NamedPlate:
-    """Return the plate of this aspect ratio and speed under a load on this part of the edge."""
-    plate = replace(study.plate, aspect_ratio=r, speed=speed, load=middle_part(share))
-    return NamedPlate(f"a/b = {r:g}, V = {speed:g}, {part_name(share)}", plate)
+def _regions(name: str, plate: MovingPlate, study: ClaimRange, scope: Scope) -> dict[tuple[int, int], Region]:
+    return regions(name, plate, study.eps, modes=study.modes, literal=scope is Scope.LITERAL)
 
 
-def _trend(plates: Sequence[NamedPlate], study: ClaimRange) -> list[Finding]:
+def _trends(all_series: Iterable[Sequence[NamedPlate]], study: ClaimRange, scope: Scope) -> list[Finding]:
     """Return the findings that each region is smaller and lower than in the plate before."""
-    found = [regions(name, plate, study.eps, modes=study.modes) for name, plate in plates]
     findings = []
-    for before, after in pairwise(found):
-        for pair, region in after.items():
-            label = region.curve.label
-            if region.is_open or before[pair].is_open:
-                findings.append(Finding(f"{label} shrinks", width(region), width(before[pair])))
-            if region.is_open and before[pair].is_open:
-                findings.append(Finding(f"{label} moves down", middle(region), middle(before[pair])))
+    for series in all_series:
+        found = [_regions(name, plate, study, scope) for name, plate, _ in series]
+        for before, after in pairwise(found):
+            for pair, region in after.items():
+                label = region.curve.label
+                if region.is_open or before[pair].is_open:
+                    findings.append(Finding(f"{label} shrinks", width(region), width(before[pair])))
+                if region.is_open and before[pair].is_open:
+                    findings.append(Finding(f"{label} moves down", middle(region), middle(before[pair])))
     return findings
 
 
-def _spread(name: str, plate: MovingPlate, study: ClaimRange) -> Quantity:
+def _spread(named: NamedPlate, study: ClaimRange, scope: Scope) -> Quantity:
     """Return the distance of the highest main region from the lowest."""
-    found = regions(name, plate, study.eps, modes=study.modes)
+    found = _regions(named.name, named.plate, study, scope)
     low, high = middle(found[1, 1]), middle(found[study.modes, study.modes])
-    return distance(high, low, f"distance from 2ω₁ to 2ω{study.modes} of {name}")
+    return distance(high, low, f"distance from 2ω₁ to 2ω{study.modes} of {named.name}")
 
 
 def _type(region: Region) -> str:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
-from compare.claims import ClaimVerdict, Measured, Traced
+from compare.claims import MOSTLY_SHARE, PARTLY_SHARE, SURVIVING_TICK, ClaimVerdict, Measured, Scope, Traced
 from compare.study.limits import validity
 from compare.study.provenance import provenance
 from compare.study.study import Study, SystemStudy, tally_of
@@ -64,6 +64,10 @@ def write_report(studies: Sequence[Study], claims: Sequence[ClaimVerdict], folde
     facts = {
         "studies": studies,
         "claims": claims,
+        "scopes": tuple(Scope),
+        "tick": SURVIVING_TICK,
+        "mostly": MOSTLY_SHARE,
+        "partly": PARTLY_SHARE,
         "pictures": pictures,
         "tally": tally_of(studies),
         "failed_charts": sum(not variant.passed_audit for study in studies for variant in study.variants),

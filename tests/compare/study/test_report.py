@@ -11,8 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from compare.claims.evidence import ClaimVerdict, Finding, judged
-from compare.claims.quantities import Measured, Quantity
+from compare.claims import ClaimVerdict, Finding, Instances, Judgement, Measured, Scope
+from compare.claims.evidence import trace_telling
+from compare.claims.quantities import Quantity
 from compare.files.cases import load_case
 from compare.study import Study, Subject, run_study, write_report
 from compare.study.report import _measured
@@ -63,11 +64,14 @@ def claims() -> list[ClaimVerdict]:
     def quantity(name: str, value: float) -> Quantity:
         return Quantity(name, value, lambda: Measured(value, 1e-4), eps=0.05)
 
-    findings = [
+    findings = (
         Finding("main | regions", quantity("width <1>", 0.5), quantity("width 2", 0.25)),
         Finding("combination regions", quantity("width 3", 0.1), quantity("width 4", 0.3)),
-    ]
-    return [judged("Everything shrinks", "All regions <shrink>.", "one plate", findings)]
+    )
+    [traced] = trace_telling([findings], 1, False)
+    judgements = [Judgement(scope, Instances("one <plate>", findings), tuple(traced)) for scope in Scope]
+    judgements[1] = Judgement(Scope.LITERAL, Instances("one | plate", (), "nothing else is there"), ())
+    return [ClaimVerdict("Everything shrinks", "All regions <shrink>.", tuple(judgements))]
 
 
 @pytest.fixture(scope="module")
@@ -110,7 +114,7 @@ def test_the_markdown_links_every_picture(folder: Path) -> None:
     assert {path.stem for path in folder.glob("*.pdf")} == {path.stem for path in folder.glob("*.png")}
 
 
-def test_every_region_and_claim_is_in_both(folder: Path, study: Study) -> None:
+def test_every_region_and_claim_is_in_both(folder: Path, study: Study, claims: list[ClaimVerdict]) -> None:
     texts = [_page(folder).text, (folder / "report.md").read_text(encoding="utf-8")]
     for text in texts:
         for variant in study.variants:
@@ -118,8 +122,12 @@ def test_every_region_and_claim_is_in_both(folder: Path, study: Study) -> None:
                 assert verdict.label in text
                 assert f"{verdict.centre:#.6g}" in text
                 assert verdict.reason in text
-        assert "holds with limits" in text
+        assert "holds in part, 1 of 2 (50 %)" in text
+        assert "holds by construction" in text
+        assert "It cannot fail: nothing else is there" in text
         assert "Everything shrinks" in text
+        assert all(scope.value in text for scope in Scope)
+        assert claims[0].conclusion in text
         assert "contradicted" in text
         assert "1 of 1" in text
     assert all(str(study.tally) in text for text in texts)
@@ -147,7 +155,7 @@ def test_a_measured_number_shows_the_digits_that_its_error_allows() -> None:
 def test_a_report_without_claims_has_no_such_section(study: Study, tmp_path: Path) -> None:
     write_report([study], [], tmp_path)
     for name in ("report.html", "report.md"):
-        assert "claims" not in (tmp_path / name).read_text(encoding="utf-8")
+        assert "The paper's claims" not in (tmp_path / name).read_text(encoding="utf-8")
 
 
 def test_a_chart_that_failed_its_audit_is_a_disagreement(study: Study, tmp_path: Path) -> None:
