@@ -40,6 +40,7 @@ from periodic import waveforms
 from periodic.family import AnyFamily, AnySystem, SystemFamily, any_member_at, member_at, stiffness_alone
 from periodic.first_order import FirstOrderSystem
 from periodic.massless import Condensed, without_massless
+from periodic.solid import StandardLinearSolid
 from periodic.system import PeriodicSystem, check_mass
 from periodic.terms import SYMMETRY_TOLERANCE, Term
 
@@ -50,6 +51,7 @@ __all__ = [
     "Condensed",
     "FirstOrderSystem",
     "PeriodicSystem",
+    "StandardLinearSolid",
     "SystemFamily",
     "Term",
     "any_member_at",

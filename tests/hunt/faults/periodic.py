@@ -31,4 +31,18 @@ FAULTS = (
         "1",
         "periodic/test_examples.py",
     ),
+    Fault(
+        "memory that fades twice as fast",
+        "periodic/solid.py",
+        "-np.eye(r) / self.time",
+        "-2 * np.eye(r) / self.time",
+        "periodic/test_solid.py",
+    ),
+    Fault(
+        "a term of the velocity acts on the place",
+        "periodic/solid.py",
+        "else state(term.matrix, no, none)",
+        "else state(no, term.matrix, none)",
+        "periodic/test_solid.py",
+    ),
 )
