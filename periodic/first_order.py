@@ -74,7 +74,7 @@ class FirstOrderSystem:
         return self
 
     def matrix(self, theta: ArrayLike, eps: float) -> FloatArray:
-        """Return the coefficient matrix at the phases ``theta`` = Omega t, shape (*theta.shape, n, n), without
+        """Return the coefficient matrix at the phases ``theta`` = Omega t, shape ``(*theta.shape, n, n)``, without
         pulses."""
         phases = np.asarray(theta, dtype=float)
         turned = np.multiply.outer(phases, np.arange(1, len(self.cosine) + 1))

@@ -159,7 +159,7 @@ class PeriodicSystem:
     def matrices(self, theta: ArrayLike, eps: float) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Return M, G, C and K with all their terms at the phases ``theta`` = Omega t, without pulses.
 
-        Each has the shape (*theta.shape, n, n).
+        Each has the shape ``(*theta.shape, n, n)``.
         """
         phases = np.asarray(theta, dtype=float)
         turned = np.multiply.outer(phases, np.arange(1, self.harmonics + 1))

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from periodic import PeriodicSystem, Term
+from periodic import PeriodicSystem
 from periodic.checks import FloatArray, one_of, real_number, whole_number
 from plate import checks, transverse
 from plate.divergence import divergence_speed
@@ -259,7 +259,8 @@ class MovingPlate(InSI):
             If a harmonic comes near an in-plane resonance.
         """
         Omega = checks.frequency("Omega", Omega)
-        return self._system_at(Omega) if self.inplane == "dynamic" or self._speed_change else self._system
+        steady = self._at_mean_speed(Omega) if self.inplane == "dynamic" else self._steady
+        return self._pulsating(steady, Omega) if self._speed_change else steady
 
     def stress(
         self, Omega: float, harmonic: int, x: ArrayLike | None = None, y: ArrayLike | None = None
@@ -303,10 +304,10 @@ class MovingPlate(InSI):
         return StressField(X, Y, *(_read_only(N) for N in (N_xx, N_yy, N_xy)))
 
     @cached_property
-    def _system(self) -> PeriodicSystem:
-        return self._system_at(0.0)
+    def _steady(self) -> PeriodicSystem:
+        return self._at_mean_speed(0.0)
 
-    def _system_at(self, Omega: float) -> PeriodicSystem:
+    def _at_mean_speed(self, Omega: float) -> PeriodicSystem:
         F = np.empty((self.load.harmonics, *self._stiffness.shape), dtype=np.complex128)
         for j in range(1, self.load.harmonics + 1):
             F[j - 1] = self.tension * self.load_amplitude * self._stress.stiffness(j, Omega)
@@ -317,13 +318,17 @@ class MovingPlate(InSI):
             stiffness=self._stiffness,
             cosine=F.real,
             sine=-F.imag,
-            terms=self._speed_terms(Omega) if self._speed_change else (),
         )
 
-    def _speed_terms(self, Omega: float) -> list[Term]:
-        A = transverse.acceleration_stiffness(*self._terms, self.aspect_ratio, self.tension_held_at)
-        G, K_og = self._gyroscopic, self.transport_stiffness
-        return transverse.speed_terms(Omega, self.speed, self._speed_change, G, K_og, A, self._carried)
+    def _pulsating(self, steady: PeriodicSystem, Omega: float) -> PeriodicSystem:
+        G, K_og, A = self._gyroscopic, self.transport_stiffness, self._acceleration
+        terms = transverse.speed_terms(Omega, self.speed, self._speed_change, G, K_og, A, self._carried)
+        M, C, K = steady.mass, steady.damping, steady.stiffness
+        return PeriodicSystem(M, steady.gyroscopic, C, K, steady.cosine, steady.sine, terms=terms)
+
+    @cached_property
+    def _acceleration(self) -> FloatArray:
+        return transverse.acceleration_stiffness(*self._terms, self.aspect_ratio, self.tension_held_at)
 
     @property
     def _speed_change(self) -> float:
