@@ -6,8 +6,10 @@ import math
 from collections.abc import Iterator
 from functools import lru_cache, reduce
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from floquet.engine.doubling import (
     Piece,
@@ -15,7 +17,6 @@ from floquet.engine.doubling import (
     Scale,
     Schedule,
     Workspace,
-    cancellation,
     chebyshev_points,
     chebyshev_weights,
     combination_norms,
@@ -25,7 +26,7 @@ from floquet.engine.doubling import (
     in_lanes,
     quantised,
 )
-from floquet.engine.general.step import GAUSS_OFFSET, general_samples, stretch
+from floquet.engine.general.step import GAUSS_OFFSET, general_samples, period_products
 from floquet.engine.general.subsystems import GeneralSubsystem, Harmonics, largest_value, numerical_radius
 from periodic.checks import FloatArray
 from periodic.waveforms import Impulses, Piecewise, Trigonometric, Waveform
@@ -76,11 +77,19 @@ class JumpSampler:
         self.subsystem, self.Omega, self.period = subsystem, Omega, 2 * math.pi / Omega
         self.steady = [part for part in subsystem.parts if not isinstance(part.waveform, Impulses)]
         self.pulses = [part for part in subsystem.parts if isinstance(part.waveform, Impulses)]
+        spans = [*(self.period for _ in self.steady), *(1.0 for _ in self.pulses)]
+        self.sizes = np.array(
+            [
+                span * numerical_radius(part.A) * largest_value(part.waveform)
+                for span, part in zip(spans, (*self.steady, *self.pulses), strict=True)
+            ]
+        )
         self.mass = any(part.E.any() for part in subsystem.parts)
         N = subsystem.states
         self.X = np.array([part.A for part in self.steady]).reshape(-1, N, N)
         self.Y = np.array([part.E for part in self.steady]).reshape(-1, N, N)
         self.powers = np.array([float(part.power) for part in self.steady])
+        self.jumps = tuple(sorted({jump for part in subsystem.parts for jump in part.waveform.jumps}))
 
     def pieces(self, eps: FloatArray, L: int, tolerance: float) -> Iterator[Piece]:
         """Yield pieces that together cover ``eps``; where steps are needed, from about 2^L steps a period."""
@@ -125,55 +134,46 @@ class JumpSampler:
 
     def _count(self, eps: FloatArray, tolerance: float) -> int:
         """Return how many samples in eps are enough."""
-        sizes = [self.period * numerical_radius(part.A) * largest_value(part.waveform) for part in self.steady]
-        sizes += [numerical_radius(part.A) * largest_value(part.waveform) for part in self.pulses]
-        powers = np.array([part.power for part in (*self.steady, *self.pulses)])
-        return degree(_growth_across(powers, np.array(sizes), float(eps[0]), float(eps[-1])), tolerance) + 1
+        parts = (*self.steady, *self.pulses)
+        powers = np.array([part.power for part in parts])
+        return degree(_growth_across(powers, self.sizes, float(eps[0]), float(eps[-1])), tolerance) + 1
 
     def _monodromies(self, eps: FloatArray, L: int) -> tuple[FloatArray, Scale]:
         """Return the monodromy matrices at the amplitudes ``eps``, (k, N, N), and their scales."""
-        pairs = [self._monodromy(float(one), L) for one in eps]
-        matrices, exponents, losses = zip(*pairs, strict=True)
-        return np.array(matrices), Scale(np.array(exponents), np.array(losses))
+        plan = _stretches(tuple(part.waveform for part in self.steady), self.jumps, L)
+        N, kinds = self.subsystem.states, len(self.jumps) if self.mass or self.pulses else 0
+        jumps = np.array([self._jump(float(one), phase) for one in eps for phase in self.jumps[:kinds]])
+        products, *scale = period_products(
+            self.subsystem.A,
+            self.X,
+            self.Y,
+            eps[:, None] ** self.powers,
+            plan.values,
+            plan.ends,
+            self.period * plan.lengths,
+            self.mass,
+            plan.constant,
+            jumps.reshape(len(eps), kinds, N, N),
+            plan.jump_of if kinds else np.full_like(plan.jump_of, -1),
+        )
+        return products, Scale(*scale)
 
-    def _monodromy(self, eps: float, L: int) -> tuple[FloatArray, float, float]:
-        """Return the monodromy matrix at one amplitude divided by a power of two, the exponent, and the loss."""
-        waves = tuple(part.waveform for part in self.steady)
-        jumps = tuple(sorted({jump for part in self.subsystem.parts for jump in part.waveform.jumps}))
-        N = self.subsystem.states
-        factors = eps**self.powers
-        product, exponent, loss = np.eye(N), 0.0, 1.0
-        for a, b, values, constant in _stretches(waves, jumps, L):
-            h = self.period * (b - a) / values.shape[1]
-            part = stretch(self.subsystem.A, self.X, self.Y, factors, values, h, self.mass, constant, np.eye(N))
-            if b % 1.0 in jumps:
-                part = self._jump(eps, b, jumps) @ part
-            before, product = product, part @ product
-            loss = max(loss, cancellation(part, before, product))
-            shift = float(np.frexp(np.abs(product).max())[1])
-            product, exponent = np.ldexp(product, -int(shift)), exponent + shift
-        return product, exponent, loss
-
-    def _jump(self, eps: float, phase: float, jumps: tuple[float, ...]) -> FloatArray:
-        """Return the matrix of a jump: momenta go on, and pulses turn the state by an exponential."""
-        N, place = self.subsystem.states, phase % 1.0
-        jump: FloatArray = np.eye(N)
+    def _jump(self, eps: float, phase: float) -> FloatArray:
+        """Return the matrix of what happens at a phase: momenta go on, and pulses turn the state by an exponential."""
+        jump: FloatArray = np.eye(self.subsystem.states)
         after = jump
         if self.mass:
-            ends = [0.0, *(x for x in jumps if x), 1.0]
-            before_width = phase - max(x for x in ends if x < phase)
-            after_width = min(x for x in ends if x > place) - place
-            before, after = (
-                self._mass(eps, x, inside)
-                for x, inside in ((phase, phase - before_width / 2), (place, place + after_width / 2))
-            )
+            ends = [0.0, *(x for x in self.jumps if x), 1.0]
+            end = phase or 1.0
+            last, following = max(x for x in ends if x < end), min(x for x in ends if x > phase)
+            before, after = self._mass(eps, end, (last + end) / 2), self._mass(eps, phase, (phase + following) / 2)
             jump = np.asarray(np.linalg.solve(after, before), dtype=np.float64)
         kicks = [
             eps**part.power * weight * part.A
             for part in self.pulses
             if isinstance(part.waveform, Impulses)
             for where, weight in zip(part.waveform.phases, part.waveform.weights, strict=True)
-            if where == place
+            if where == phase
         ]
         if kicks:
             kick: FloatArray = np.asarray(np.linalg.solve(after, reduce(np.add, kicks)), dtype=np.float64)
@@ -227,28 +227,44 @@ def _has_ended(samples: FloatArray, tolerance: float) -> bool:
     return bool(np.linalg.norm(last, axis=(1, 2)).max() <= tolerance * np.linalg.norm(samples, axis=(1, 2)).min())
 
 
-@lru_cache(maxsize=256)
-def _stretches(
-    waves: tuple[Waveform, ...], jumps: tuple[float, ...], L: int
-) -> list[tuple[float, float, FloatArray, bool]]:
-    """Return the parts of a period between jumps, cut further so that cancellation shows: begin, end, the waveforms at
-    the Gauss points of their steps (R, steps, 2), and whether all are constant there."""
+class Stretches(NamedTuple):
+    """The parts of a period between jumps, cut further so that cancellation shows; see `period_products`.
+
+    ``lengths`` are parts of a period, ``jump_of`` tells which of the jumps follows each.
+    """
+
+    values: FloatArray
+    ends: NDArray[np.int64]
+    lengths: FloatArray
+    jump_of: NDArray[np.int64]
+    constant: bool
+
+
+@lru_cache(maxsize=64)
+def _stretches(waves: tuple[Waveform, ...], jumps: tuple[float, ...], L: int) -> Stretches:
+    """Return the stretches of a period of about 2^L steps, one for each where all is constant."""
     constant = all(
-        wave.is_constant_between_jumps if isinstance(wave, Piecewise) else not wave.jumps and wave.fourier(0)[2] == 0
-        for wave in waves
-        if not isinstance(wave, Impulses)
+        wave.is_constant_between_jumps if isinstance(wave, Piecewise) else wave.fourier(0)[2] == 0 for wave in waves
     )
-    ends = sorted({0.0, 1.0, *jumps})
-    found = []
-    for a, b in pairwise(ends):
-        parts = max(1, math.ceil((b - a) * WATCHED_PARTS))
-        cuts = np.linspace(a, b, parts + 1)
-        cuts[0], cuts[-1] = a, b
-        for start, stop in pairwise(cuts.tolist()):
-            steps = max(1, math.ceil((stop - start) * 2**L))
-            middles = start + (stop - start) * (np.arange(steps) + 0.5) / steps
-            offset = GAUSS_OFFSET * (stop - start) / steps
-            points = np.stack([middles - offset, middles + offset], axis=1)
-            values = np.array([wave.values(2 * np.pi * points) for wave in waves if not isinstance(wave, Impulses)])
-            found.append((start, stop, values.reshape(len(waves), steps, 2), constant))
-    return found
+    phases, ends, lengths, jump_of = [], [], [], []
+    for a, b in pairwise(sorted({0.0, 1.0, *jumps})):
+        count = max(1, math.ceil((b - a) * WATCHED_PARTS))
+        for i in range(count):
+            width = (b - a) / count
+            steps = 1 if constant else max(1, math.ceil(width * 2**L))
+            middles = a + i * width + width * (np.arange(steps) + 0.5) / steps
+            offset = GAUSS_OFFSET * width / steps
+            phases.append(np.stack([middles - offset, middles + offset], axis=1))
+            ends.append(steps)
+            lengths.append(width / steps)
+            jump_of.append(jumps.index(b % 1.0) if i == count - 1 and b % 1.0 in jumps else -1)
+    theta = 2 * np.pi * np.concatenate(phases)
+    values = np.array([wave.values(theta) for wave in waves if not isinstance(wave, Impulses)])
+    values = values.reshape(len(waves), *theta.shape)
+    return Stretches(
+        np.ascontiguousarray(values.transpose(1, 2, 0)),
+        np.cumsum(ends),
+        np.array(lengths),
+        np.array(jump_of, dtype=np.int64),
+        constant,
+    )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from floquet.engine.doubling import doublings, exponential
+from floquet.engine.doubling import cancellation, doublings, exponential
 
 GAUSS_OFFSET = np.sqrt(3.0) / 6.0  # of the two Gauss points from the middle of a step, in units of its length
 
@@ -47,46 +47,92 @@ def general_samples(A, powers, harmonics, cosine, sine, h, Omega, largest, plan,
 
 
 @njit(cache=True, nogil=True)
-def stretch(A, X, Y, factors, values, h, mass, constant, P):  # type: ignore[no-untyped-def]
-    """Multiply P (N, N) from the left by the motion over one part of a period between jumps.
+def period_products(A, X, Y, factors, values, ends, lengths, mass, constant, jumps, jump_of):  # type: ignore[no-untyped-def]
+    """Return the monodromy matrices at k amplitudes, from jump to jump, by stretches between which nothing jumps.
 
     Parameters
     ----------
     A : ndarray, shape (N, N)
     X, Y : ndarray, shape (R, N, N)
         Parts of A and of E.
-    factors : ndarray, shape (R,)
+    factors : ndarray, shape (k, R)
         eps^power of each.
-    values : ndarray, shape (R, steps, 2)
+    values : ndarray, shape (steps, 2, R)
         The waveforms at the two Gauss points of each step.
-    h : float
-        Length of a step.
+    ends : int ndarray, shape (stretches,)
+        Number of steps up to the end of each stretch.
+    lengths : ndarray, shape (stretches,)
+        Length of the steps of each.
     mass, constant : bool
-        Whether E depends on time; whether nothing does in this part, so that one exponential is exact.
+        Whether E depends on time; whether nothing does within the stretches, so that exponentials are exact.
+    jumps : ndarray, shape (k, jumps, N, N)
+    jump_of : int ndarray, shape (stretches,)
+        Which jump follows each stretch; -1 for none.
+
+    Returns
+    -------
+    products : ndarray, shape (k, N, N)
+    exponents : ndarray, shape (k,)
+        The products are to be multiplied by 2^exponents.
+    losses : ndarray, shape (k,)
+        Factors by which cancellation has magnified rounding errors.
 
     Notes
     -----
     The step is that of Magnus of fourth order, exp(h (A1 + A2) / 2 - sqrt(3) h^2 / 12 [A1, A2]) (S. Blanes, F. Casas,
     J. A. Oteo and J. Ros, Physics Reports 470 (2009) 151-238, section 5.1).
     """
-    N, R = A.shape[0], factors.size
-    steps = values.shape[1]
+    k, N, R, stretches = factors.shape[0], A.shape[0], factors.shape[1], ends.size
+    products, exponents, losses = np.empty((k, N, N)), np.zeros(k), np.ones(k)
     both = np.empty((2, N, N))
-    E = np.empty((N, N))
-    for step in range(1 if constant else steps):
-        for k in range(2):
-            both[k] = A
-            E[:] = 0.0
-            for i in range(N):
-                E[i, i] = 1.0
+    for a in range(k):
+        product = np.eye(N)
+        part, before = np.eye(N), 0
+        for i in range(stretches):
+            first = 0 if i == 0 else ends[i - 1]
+            again = constant and i > 0 and lengths[i] == lengths[i - 1] and ends[i] - first == ends[i - 1] - before
             for r in range(R):
-                both[k] += factors[r] * values[r, step, k] * X[r]
-                if mass:
-                    E += factors[r] * values[r, step, k] * Y[r]
-            if mass:
-                both[k] = np.linalg.solve(E, both[k])
-        if constant:
-            return np.dot(exponential(h * steps * both[0]), P)
-        turned = np.dot(both[0], both[1]) - np.dot(both[1], both[0])
-        P = np.dot(exponential(0.5 * h * (both[0] + both[1]) - (np.sqrt(3.0) / 12.0 * h * h) * turned), P)
-    return P
+                again = again and values[first, 0, r] == values[before, 0, r]
+            before = first
+            if not again:
+                part = np.eye(N)
+                for step in range(first, first + 1 if constant else ends[i]):
+                    for q in range(1 if constant else 2):
+                        coefficients(A, X, Y, factors[a], values[step, q], mass, both[q])
+                    if constant:
+                        part = exponential(lengths[i] * (ends[i] - first) * both[0])
+                    else:
+                        h = lengths[i]
+                        turned = np.dot(both[0], both[1]) - np.dot(both[1], both[0])
+                        grown = exponential(0.5 * h * (both[0] + both[1]) - (np.sqrt(3.0) / 12.0 * h * h) * turned)
+                        part = np.dot(grown, part)
+            last = part
+            if jump_of[i] >= 0:
+                last = np.dot(jumps[a, jump_of[i]], part)
+            following = np.dot(last, product)
+            losses[a] = max(losses[a], cancellation(last, product, following))
+            product = following
+            size = np.abs(product).max()
+            if size > 0.0:
+                shift = np.floor(np.log2(size))
+                product = product * 2.0**-shift
+                exponents[a] += shift
+        products[a] = product
+    return products, exponents, losses
+
+
+@njit(cache=True, nogil=True)
+def coefficients(A, X, Y, factors, values, mass, out):  # type: ignore[no-untyped-def]
+    """Write E^-1 A with all their parts into ``out`` (N, N)."""
+    N = A.shape[0]
+    out[:] = A
+    for r in range(factors.size):
+        weight = factors[r] * values[r]
+        for i in range(N):
+            for j in range(N):
+                out[i, j] += weight * X[r, i, j]
+    if mass:
+        E = np.eye(N)
+        for r in range(factors.size):
+            E += factors[r] * values[r] * Y[r]
+        out[:] = np.linalg.solve(E, out)

@@ -258,6 +258,7 @@ def _harmonics(parts: Iterable[Part], N: int) -> Harmonics:
     return Harmonics(powers, harmonics, cosine, sine, strength)
 
 
+@lru_cache(maxsize=256)
 def largest_value(waveform: Waveform) -> float:
     """Return a bound on |g|; of pulses, on their areas."""
     if isinstance(waveform, Trigonometric):
