@@ -69,6 +69,8 @@ class Workspace:
 class Sampler:
     """Samples the monodromy matrix of one subsystem at one frequency."""
 
+    graded = False  # see `schedule`: with one harmonic and one power of eps it need not be said
+
     def __init__(self, subsystem: Subsystem, equations: Equations, Omega: float, work: Workspace) -> None:
         self.subsystem, self.equations, self.work = subsystem, equations, work
         self.size = len(equations.A)
@@ -110,7 +112,8 @@ class Sampler:
         None if that takes too many samples.
         """
         x, across = self.growth(largest_amplitude(eps)), self.growth_across(float(eps[0]), float(eps[-1]))
-        return _interpolation(x, across, eps.tobytes(), L, tolerance, MAX_SAMPLE_ENTRIES // self.size**2)
+        most = MAX_SAMPLE_ENTRIES // self.size**2
+        return _interpolation(x, across, eps.tobytes(), L, tolerance, most, self.graded)
 
     def growth(self, largest: float) -> tuple[float, ...]:
         """Return bounds on the logarithm of the growth in one period by each harmonic, at the amplitude ``largest``."""
@@ -149,12 +152,9 @@ class Sampler:
         if stop < L and len(eps) > 1:
             return None
         amplitudes, scale = eps / (largest or 1.0), unit_scale(len(eps))
-        P = self._sample(
-            schedule(x, self.growth_across(largest, largest), amplitudes.tobytes(), phases, B, stop, tolerance),
-            largest,
-            L,
-            scale,
-        )
+        across = self.growth_across(largest, largest)  # none: all doublings are done for these amplitudes
+        plan = schedule(x, across, amplitudes.tobytes(), phases, B, stop, tolerance, self.graded)
+        P = self._sample(plan, largest, L, scale)
         if stop < L:
             P, scale = self._ordered_product(P, B, sum(x), scale)
         weights = in_lanes(np.eye(len(eps)))
@@ -214,7 +214,13 @@ class Interpolation(NamedTuple):
 
 @memoized
 def _interpolation(
-    x: tuple[float, ...], across: tuple[float, ...], cells: bytes, L: int, tolerance: float, max_matrices: int
+    x: tuple[float, ...],
+    across: tuple[float, ...],
+    cells: bytes,
+    L: int,
+    tolerance: float,
+    max_matrices: int,
+    graded: bool,
 ) -> Interpolation | None:
     """Return the interpolation at the amplitudes ``cells`` (an array of floats as bytes).
 
@@ -228,7 +234,7 @@ def _interpolation(
     if count >= len(eps) or count * sum(x) / MAX_PHASE_GROWTH > max_matrices:
         return None
     points = (middle + radius * chebyshev_points(count)) / largest_amplitude(eps)
-    plan = schedule(x, across, points.tobytes(), 1, 1, L, tolerance)
+    plan = schedule(x, across, points.tobytes(), 1, 1, L, tolerance, graded)
     if plan.max_matrices > max_matrices:
         return None
     return Interpolation(plan, in_lanes(chebyshev_weights(count, (eps - middle) / radius)))

@@ -11,7 +11,8 @@ those of an exponential: where a grid takes 45 samples, 15 determine P. They are
 that are as general as P may be, at all points where values of P are needed. A QR factorisation with column pivoting
 then chooses the points from which the values at all others follow. The weights stay of order one, so that rounding
 errors do not grow from doubling to doubling. With several harmonics the gain is small, and the choice takes long: there
-a grid is used. With other powers of eps than the first, P is no such function.
+a grid is used. With other powers of eps than the first, P is such a function if eps^p comes with the harmonics p,
+p - 2, ... alone, as for a speed that pulsates: then P is graded.
 """
 
 from __future__ import annotations
@@ -157,6 +158,7 @@ def schedule(
     B: int,
     levels: int,
     tolerance: float,
+    graded: bool = False,
 ) -> Schedule:
     """Plan the last ``levels`` doublings, from the last one back.
 
@@ -164,20 +166,20 @@ def schedule(
     ``amplitudes`` (an array of floats as bytes) are relative to the largest. If ``across`` is not zero, they are the
     Chebyshev points of their range, and ``across`` is the growth in one period between the middle and the ends of the
     range, one number for each power of eps. If it is zero, all doublings are done for these amplitudes. ``x`` is that
-    of `growth_bounds`.
+    of `growth_bounds`. ``graded`` says that the power eps^a has the harmonics a, a - 2, ... alone.
     """
     eps, theta = np.frombuffer(amplitudes), 2 * np.pi * np.arange(phases) / phases
     end, plans, grid = (phases, len(eps)), [], [True]
     theta, eps, points = np.repeat(theta, len(eps)), np.tile(eps, phases), eps
     for _ in range(levels):
         B *= 2
-        several = np.count_nonzero(x) > 1 or len(across) > 1
+        several = (np.count_nonzero(x) > 1 or len(across) > 1) and not graded
         if grid[-1] and (sum(x) / B > MAX_PHASE_GROWTH or several or 2 * len(theta) > MAX_WANTED_POINTS):
             plan = _grid(phases, points, x, across, B, tolerance)
             phases, points = plan.phases, plan.eps[: plan.amplitudes]
             grid.append(True)
         else:
-            plan = _scattered(theta, eps, np.array(x) / B, B, tolerance)
+            plan = _scattered(theta, eps, np.array(x) / B, B, tolerance, graded)
             grid.append(False)
         theta, eps = plan.theta, plan.eps
         plans.append(plan)
@@ -221,10 +223,10 @@ def _grid(
     return _Doubling(theta, np.tile(points, p), p, m, k, across_amplitudes, across_phases, pairs, watched=p == B)
 
 
-def _scattered(theta: FloatArray, eps: FloatArray, x: FloatArray, B: int, tolerance: float) -> _Doubling:
+def _scattered(theta: FloatArray, eps: FloatArray, x: FloatArray, B: int, tolerance: float, graded: bool) -> _Doubling:
     """Return the doubling that ends with products at the points (theta, eps) and begins with the fewest samples."""
     theta, eps = np.concatenate([theta, theta + 2 * np.pi / B]), np.tile(eps, 2)
-    order, weights = _skeleton(theta, eps, x, max(CHOSEN_TOLERANCE_PART * tolerance, MIN_CHOSEN_TOLERANCE))
+    order, weights = _skeleton(theta, eps, x, max(CHOSEN_TOLERANCE_PART * tolerance, MIN_CHOSEN_TOLERANCE), graded)
     chosen = order[: weights.shape[1]]
     return _Doubling(
         theta[chosen],
@@ -239,14 +241,16 @@ def _scattered(theta: FloatArray, eps: FloatArray, x: FloatArray, B: int, tolera
     )
 
 
-def _skeleton(theta: FloatArray, eps: FloatArray, x: FloatArray, error: float) -> tuple[NDArray[Any], FloatArray]:
+def _skeleton(
+    theta: FloatArray, eps: FloatArray, x: FloatArray, error: float, graded: bool
+) -> tuple[NDArray[Any], FloatArray]:
     """Return an order of the points (theta, eps), with those to be sampled first, and weights (others, sampled).
 
     The weights give the values at the other points, up to ``error`` relative to the largest value.
     """
     count = min(MIN_TRIAL_FUNCTIONS, 2 * len(theta) + 8)
     while True:
-        values = _functions(theta, eps, x, count // 2)
+        values = _functions(theta, eps, x, count // 2, graded)
         R, order = sla.qr(values.T, mode="r", pivoting=True, check_finite=False)
         sizes = np.abs(np.diag(R))
         k = max(int((sizes > error * sizes[0]).sum()), 1)
@@ -256,12 +260,20 @@ def _skeleton(theta: FloatArray, eps: FloatArray, x: FloatArray, error: float) -
     return order, exact_for_constants(sla.solve_triangular(R[:k, :k], R[:k, k:], check_finite=False).T)
 
 
-def _functions(theta: FloatArray, eps: FloatArray, x: FloatArray, count: int) -> FloatArray:
+def _functions(theta: FloatArray, eps: FloatArray, x: FloatArray, count: int, graded: bool) -> FloatArray:
     """Return functions with coefficients as large as those of P can be, at the points (theta, eps): (points, 2 count).
 
     They are the real and imaginary parts of exp(eps sum_j (x_j / 2) [u_j exp(i j theta) + v_j exp(-i j theta)]) for
-    random u and v on the unit circle.
+    random u and v on the unit circle. If they are ``graded``, eps^j stands at x_j, and the harmonics j - 2, j - 4, ...
+    come with it.
     """
+    if graded:
+        pairs = [(power, q) for power in range(1, len(x) + 1) for q in range(power, -1, -2)]
+        u, v = _unit_circle(count, len(pairs))
+        powers, harmonics = np.array(pairs).T
+        waves = np.exp(1j * np.outer(theta, harmonics)) * (x[powers - 1] / 2) * eps[:, None] ** powers
+        values = np.exp(waves @ u + waves.conj() @ v)
+        return np.hstack([values.real, values.imag])
     u, v = _unit_circle(count, len(x))
     waves = np.exp(1j * np.outer(theta, np.arange(1, len(x) + 1))) * (x / 2)
     values = np.exp(eps[:, None] * (waves @ u + waves.conj() @ v))

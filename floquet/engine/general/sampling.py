@@ -44,21 +44,25 @@ class SmoothSampler(Sampler):
         self.subsystem, self.smooth, self.work = subsystem, smooth, work  # type: ignore[assignment]
         self.size, self.Omega = subsystem.states, Omega
         self.period = 2 * math.pi / Omega
+        lower = smooth.powers - smooth.harmonics
+        self.graded = bool(((lower >= 0) & (lower % 2 == 0)).all() and (smooth.powers > 1).any())
 
     def growth(self, largest: float) -> tuple[float, ...]:
-        """Return bounds on the logarithm of the growth in one period by each harmonic, at the amplitude ``largest``."""
-        J = int(max(self.smooth.harmonics.max(initial=0), 1))
-        strength = np.zeros(J)
-        moving = self.smooth.harmonics > 0
+        """Return bounds on the logarithm of the growth in one period by each harmonic, at the amplitude ``largest``.
+
+        If the subsystem is graded, by each power of eps, which then has no higher harmonics.
+        """
         sizes = self.smooth.strength * largest**self.smooth.powers
-        np.add.at(strength, self.smooth.harmonics[moving].astype(int) - 1, sizes[moving])
+        number = (self.smooth.powers if self.graded else self.smooth.harmonics).astype(int)
+        strength = np.zeros(max(number.max(initial=1), 1))
+        np.add.at(strength, number[number > 0] - 1, sizes[number > 0])
         return growth_bounds(tuple(strength.tolist()), self.period)
 
     def growth_across(self, low: float, high: float) -> tuple[float, ...]:
         """Return the growth in one period between the middle and the ends of some amplitudes, by powers of eps."""
         found = _growth_across(self.smooth.powers, self.smooth.strength * self.period, low, high)
         # what grows with eps at all phases alike counts as a power of its own: samples are on a grid
-        return found if self.smooth.harmonics.all() else (*found, 0.0)
+        return found if self.graded or self.smooth.harmonics.all() else (*found, 0.0)
 
     def _sample(self, plan: Schedule, largest: float, L: int, scale: Scale) -> FloatArray:
         work = self.work.arrays(plan.max_matrices * self.size**2)
