@@ -60,11 +60,14 @@ def free_states(system: PeriodicSystem, subsystem: Subsystem) -> States:
     return States(values, subsystem.to_q @ right, coupling)
 
 
-def gather(states: States, modes: Modes, resonance: Resonance, eps: float) -> tuple[list[int], float]:
+def gather(
+    states: States, modes: Modes, resonance: Resonance, eps: float, second_order: float = 0.0
+) -> tuple[list[int], float]:
     """Return the states that resonate together at ``eps``, and how far from the centre they may be unstable, in Omega.
 
     A state joins if its detuning from one of them, damping included, is less than the rate at which the excitation
-    exchanges the two, or if it coincides.
+    exchanges the two, or if it coincides. ``second_order``, as part of the centre, is a rate at which two interactions
+    exchange any two.
     """
     Omega, J = resonance.centre, len(states.coupling) // 2
     first = modes.exponents[resonance.p - 1]
@@ -79,7 +82,7 @@ def gather(states: States, modes: Modes, resonance: Resonance, eps: float) -> tu
     index = np.arange(len(rest))
     rate = np.where(np.abs(step) <= J, states.coupling[np.clip(step, -J, J) + J, index[:, None], index], 0.0)
     exchange = eps * np.sqrt(np.abs(rate * rate.T))
-    together = detuning < np.maximum(exchange, COINCIDENCE * Omega)
+    together = detuning < np.maximum(exchange, max(COINCIDENCE, second_order) * Omega)
     while True:
         joined = [a for a in index.tolist() if a in members or together[a, members].any()]
         if len(joined) == len(members):

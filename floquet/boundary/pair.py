@@ -15,6 +15,8 @@ from periodic.checks import ComplexArray
 MIN_PAIR_DECAY = 1e-11
 # Part of a solution in the span of the reference below which it is no longer one of the pair.
 MIN_PAIR_PART = 0.5
+# Multipliers that agree to this part of themselves are equal: their solutions are known up to mixtures.
+EQUAL_MULTIPLIERS = 1e-7
 # Parts that are as large as this compared with each other do not tell which solution belongs to the pair.
 COMPARABLE_PARTS = 0.9
 
@@ -50,7 +52,8 @@ class Point(NamedTuple):
     members : list of int
         The pair among the solutions.
     likeness : float
-        Cosine of the largest angle, in energy, between the pair and its reference.
+        Cosine of the largest angle, in energy, between the pair and its reference. Where other multipliers are equal to
+        those of the pair, of the mixtures that are most like the reference.
     reference : Reference
         The pair as a reference for points near by.
     found : Solutions
@@ -94,12 +97,17 @@ def judge(found: Solutions, reference: Reference) -> Point:
     subsystem, mu = found.subsystem, found.multipliers
     span, _ = np.linalg.qr(subsystem.from_q @ reference.solutions)
     members = _choose(found, span.conj().T @ found.vectors, reference)
-    basis, _ = np.linalg.qr(found.vectors[:, members])
-    likeness = float(np.linalg.svd(span.conj().T @ basis, compute_uv=False)[-1])
+    together = np.abs(mu[:, None] / mu[members] - 1).min(axis=1) <= EQUAL_MULTIPLIERS
+    basis, _ = np.linalg.qr(found.vectors[:, together])
+    _, cosines, nearest = np.linalg.svd(span.conj().T @ basis)
+    likeness = float(cosines[-1])
     own, _ = instability(mu[members], reference.lock, subsystem.reciprocal, 0.0)
     growth = float(found.growth.max())
     value = own if own > 0 or growth <= 0 else growth**2
-    following = Reference(found.initial(members), reference.lock, reference.decay)
+    solutions = found.initial(members)
+    if together.sum() > len(members):  # of solutions that may be mixed at will those that are most like the last ones
+        solutions = np.asarray(subsystem.to_q @ basis @ nearest[: len(members)].conj().T)
+    following = Reference(solutions, reference.lock, reference.decay)
     return Point(value, own, members, likeness, following, found)
 
 

@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from floquet.boundary.crowd import States, free_states, gather, scan
+from floquet.boundary.crowd import SCAN_POINTS, States, free_states, gather, scan
 from floquet.boundary.follow import Follower, Top
-from floquet.boundary.pair import Point, Reference
+from floquet.boundary.pair import Point, Reference, judge
 from floquet.boundary.resonance import Modes, Resonance
 from floquet.boundary.solutions import Integrator, OutOfReachError, home
 from floquet.boundary.walk import EDGE_RESOLUTION, Edge, Walk
@@ -27,6 +27,8 @@ MIN_GROWTH_ERRORS = 10.0
 FREE_GROWTH_ROUNDING = 1e-11
 # How far a crowd is unstable by second-order effects: at most this part of its centre.
 MAX_SECOND_ORDER_REACH = 0.1
+# A window of stability is looked for at least so far from its centre, as part of it.
+MIN_WINDOW_REACH = 0.01
 
 
 class Found(NamedTuple):
@@ -62,6 +64,7 @@ class Region:
         self.states: States = free_states(member, subsystem)
         lock = (-1.0) ** resonance.j if resonance.p == resonance.q else None
         self.pair = Reference(solutions, lock, modes.decay(resonance))
+        self.lost = np.inf  # the smallest eps at which the pair could not be told from others
 
     @cached_property
     def is_window(self) -> bool:
@@ -78,21 +81,44 @@ class Region:
 
     def crowd(self, eps: float) -> tuple[list[int], float]:
         """Return the states that resonate together, and how far from the centre."""
-        return gather(self.states, self.modes, self.resonance, eps)
+        second_order = self._second_order(eps) if eps >= self.lost else 0.0
+        return gather(self.states, self.modes, self.resonance, eps, second_order)
 
     def at(self, eps: float) -> Found:
         """Return what there is at an amplitude."""
         if eps == 0 or self.strength == 0:
             growth_rate = float(self.states.exponents[self.crowd(0.0)[0]].real.max())
             return Found(Kind.COMPLEX if self.is_window else Kind.STABLE, [], growth_rate)
-        members, reach = self.crowd(eps)
         try:
-            if len(members) > 2 and not self.is_window:
-                points = self._scan(eps, members, reach)
-                return self._intervals(eps, points) if points else self._closed(eps)
-            return self._of_pair(eps, self.follower.top(eps))
+            if self.is_window or len(self.crowd(eps)[0]) == 2:
+                try:
+                    return self._of_pair(eps, self.follower.top(eps))
+                except OutOfReachError:
+                    self.lost = min(self.lost, eps)
+            if self.is_window:
+                return self._window(eps)
+            members, reach = self.crowd(eps)
+            if len(members) == 2:
+                raise OutOfReachError
+            points = self._scan(eps, members, reach)
+            return self._intervals(eps, points) if points else self._closed(eps)
         except OutOfReachError:
             return Found(Kind.UNDECIDED, [], np.nan)
+
+    def _window(self, eps: float) -> Found:
+        """Return the windows of stability round the centre, whatever makes them."""
+        centre, reach = self.resonance.centre, max(self._second_order(eps), MIN_WINDOW_REACH)
+        grid = centre * (1 + reach * np.linspace(-1, 1, SCAN_POINTS))
+        points = [judge(self.integrator.at(Omega, eps), self.pair) for Omega in grid.tolist()]
+        stable = [point for point in points if point.value <= 0]
+        if stable:
+            return self._intervals(eps, stable)
+        middle = points[SCAN_POINTS // 2]
+        return Found(middle.kind, [], float(middle.found.growth.max()) * centre / (2 * np.pi))
+
+    def _second_order(self, eps: float) -> float:
+        """Return the rate of second-order effects as part of the centre."""
+        return min((eps * self.strength) ** 2 / self.resonance.j, MAX_SECOND_ORDER_REACH)
 
     def _of_pair(self, eps: float, top: Top) -> Found:
         point = top.point
@@ -100,14 +126,14 @@ class Region:
             return self._intervals(eps, [point]) if point.value <= 0 else Found(point.kind, [], point.growth_rate)
         if point.own > 0:
             return self._intervals(eps, [point])
-        covered = point.value > 0
+        covered = point.value > 0 or bool(self.integrator.at(self.resonance.centre, eps).growth.max() > 0)
         told = top.likeness >= MIN_COVERED_LIKENESS
         return Found(Kind.STABLE if told or not covered else Kind.UNDECIDED, [], point.growth_rate, covered)
 
     def _scan(self, eps: float, members: list[int], reach: float) -> list[Point]:
         """Return points at which the crowd grows."""
-        centre, second_order = self.resonance.centre, (eps * self.strength) ** 2 / self.resonance.j
-        reach = max(reach, centre * min(second_order, MAX_SECOND_ORDER_REACH))
+        centre = self.resonance.centre
+        reach = max(reach, centre * self._second_order(eps))
         low, high = max(centre - reach, centre / 2), min(centre + reach, 2 * centre)
         return scan(self.integrator, eps, low, high, self.states.solutions[:, members])
 

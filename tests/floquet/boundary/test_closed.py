@@ -89,3 +89,25 @@ def test_nothing_can_be_integrated_without_a_frequency() -> None:
     # beyond all bounds is no error, either
     with pytest.raises(OutOfReachError):
         Integrator(mathieu(), solution, 0.3).at(1e-3, 5.0)
+
+
+def test_closed_at_a_place_where_others_grow() -> None:
+    """Damping closes 2 omega_2, while what 2 omega_1 and omega_1 + omega_2 open reaches beyond its centre."""
+    stiffness, damping = np.diag([1.147, 1.2237]), np.diag([0.0104, 0.005])
+    system = PeriodicSystem(np.eye(2), NONE, damping, stiffness, [[[1.2, 0.9], [0.9, 0.1]]])
+    for eps in (0.05, 0.06, 0.07, 0.08):
+        trace = trace_boundary(system, 2 * np.sqrt(1.2237), [eps], p=2, q=2)
+        largest = np.abs(np.linalg.eigvals(dop853(system, float(trace.resonance.centre), eps))).max()
+        assert trace.covered[0] or trace.is_open[0] or largest < 1
+
+
+def test_where_two_modes_cannot_be_told_apart_windows_are_looked_for_all_the_same() -> None:
+    system = PeriodicSystem(
+        np.eye(2), NONE, np.diag([-0.04, 0.06]), np.diag([0.893, 1.6]), [[[0.9, -1.1], [-1.1, 0.5]]]
+    )
+    for eps in (0.15, 0.3, 0.6):
+        trace = trace_boundary(system, 2 * np.sqrt(0.893) / 3, [eps], j=3, p=1, q=1)
+        growth = np.log(np.abs(np.linalg.eigvals(dop853(system, float(trace.resonance.centre), eps))).max())
+        inside = any(low <= trace.resonance.centre <= high for low, high in trace.intervals[0])
+        assert trace.kind[0] != Kind.UNDECIDED
+        assert inside == (growth < 0)

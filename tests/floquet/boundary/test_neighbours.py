@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 from floquet import BoundaryTrace, Kind, monodromy, trace_boundary
+from floquet.boundary import natural_modes
 from periodic import PeriodicSystem
 from plate import EdgeLoad, MovingPlate
 from tests.floquet.oracle_systems import dop853
+from tests.hunt.statements.systems import repeated
 
 NONE = np.zeros((2, 2))
 NEAR_EDGE = 1e-6
@@ -146,3 +148,29 @@ def test_a_string_whose_frequencies_are_multiples_of_the_first() -> None:
     S = np.diag((i * np.pi) ** 2)
     system = PeriodicSystem(np.eye(size), 2 * speed * B, np.zeros((size, size)), (1 - speed**2) * S, [S])
     check(system, trace_boundary(system, 2 * np.pi * (1 - speed**2), [0.1]))
+
+
+def test_two_modes_that_nothing_tells_apart() -> None:
+    """A ring of three equal oscillators: two of its modes are one and the same oscillator twice."""
+    shift = np.roll(np.eye(3), 1, axis=0)
+    ring = 2 * np.eye(3) - shift - shift.T  # 3 for both modes
+    system = PeriodicSystem(
+        np.eye(3), np.zeros((3, 3)), 0.02 * np.eye(3), 1.3 * np.eye(3) + 0.7 * ring, [0.9 * np.eye(3) + 0.4 * ring]
+    )
+    alone = PeriodicSystem([[1.0]], [[0.0]], [[0.02]], [[1.3 + 3 * 0.7]], [[[0.9 + 3 * 0.4]]])
+    near, eps = 2 * math.sqrt(1.3 + 3 * 0.7), [0.1, 0.4, 0.7]
+    twice = trace_boundary(system, near, eps, p=3, q=2)
+    once = trace_boundary(alone, near, eps)
+    assert twice.kind.tolist() == [Kind.MINUS_ONE] * 3
+    assert twice.lower == pytest.approx(once.lower, rel=1e-8)
+    assert twice.upper == pytest.approx(once.upper, rel=1e-8)
+
+
+@pytest.mark.parametrize("seed", [1, 14, 23])
+def test_equal_frequencies_that_only_two_interactions_mix(seed: int) -> None:
+    """(omega_1 + omega_2) / 2 of two equal frequencies: the modes turn as eps grows, too fast to follow."""
+    system = repeated(np.random.default_rng(seed))
+    trace = trace_boundary(system, float(natural_modes(system, 1.0).exponents[0].imag), [0.2], j=2, p=2, q=1)
+    assert trace.kind[0] == Kind.PLUS_ONE
+    assert {one.label for one in trace.resonances} == {"(ω₁+ω₂)/2", "2ω₁/2", "2ω₂/2"}
+    check(system, trace)
