@@ -71,13 +71,14 @@ class Theory:
 
 class _Rung(NamedTuple):
     """One amplitude: edges by theory, and by integration with their errors; why the latter are missing, or ""; whether
-    another region takes over before an edge."""
+    another region takes over before an edge; whether it is closed at a place that lies in another region."""
 
     analytic: FloatArray
     traced: FloatArray
     error: FloatArray
     trouble: str
     joined: bool = False
+    covered: bool = False
 
 
 class _Weighed(NamedTuple):
@@ -217,7 +218,7 @@ class _Comparison:
         elif np.isinf(analytic).any():
             trouble = "theory finds no edge where instability ends"
         joined = bool(np.isfinite([trace.lower_meeting[0], trace.upper_meeting[0]]).any())
-        return _Rung(analytic, edges, errors, trouble, joined)
+        return _Rung(analytic, edges, errors, trouble, joined, bool(trace.covered[0]))
 
     def _weigh(self, top: float) -> _Weighed:
         """Return what the rungs say so far."""
@@ -255,16 +256,20 @@ class _Comparison:
         if 0 < tip < np.inf:
             reason = f"closed by damping up to eps = {top:.4g}, where the ladder ends; theory lets it open at {tip:.4g}"
             return _Weighed(True, Outcome.NOT_COMPARED, Basis.DAMPED, reason)
-        reason = f"without width by theory up to eps = {top:.4g}, and integration finds no instability of these modes"
+        reason = f"without width by theory up to eps = {top:.4g}, and {self._none_found()}"
         return _Weighed(True, Outcome.AGREES, Basis.CLOSED, reason)
+
+    def _none_found(self) -> str:
+        """Return that integration finds nothing open, and whether it finds something else there."""
+        covered = [value for value, rung in self.rungs.items() if rung.covered]
+        beside = f" (their place lies in another region at eps = {_listed(sorted(covered))})" if covered else ""
+        return f"integration finds no instability of these modes{beside}"
 
     def _closed(self, eps: FloatArray, traced: FloatArray, found: NDArray[np.bool_]) -> _Weighed:
         """Return what there is to say of a region that theory closes at every eps."""
         order, width = self.theory.order, np.where(found, traced[1] - traced[0], 0.0)
         if not found.any():
-            reason = (
-                f"closed by theory at every eps, and integration finds no instability up to eps = {max(self.rungs):.4g}"
-            )
+            reason = f"closed by theory at every eps, and {self._none_found()} up to eps = {max(self.rungs):.4g}"
             return _Weighed(True, Outcome.AGREES, Basis.CLOSED, reason)
         if not found[:MIN_RUNGS].any():
             reason = (
