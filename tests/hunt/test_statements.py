@@ -101,7 +101,11 @@ def _wider(trace: object) -> dict[str, object]:
 
 LIES = {
     "edges too far out": _wider,
-    "closed": lambda trace: {"intervals": (np.empty((0, 2)),), "kind": np.zeros(1, dtype=np.int8)},
+    "closed": lambda trace: {
+        "covered": np.zeros(1, dtype=bool),
+        "intervals": (np.empty((0, 2)),),
+        "kind": np.zeros(1, dtype=np.int8),
+    },
     "of another kind": lambda trace: {"kind": 5 - trace.kind},
     "of another resonance": lambda trace: {"resonance": trace.resonance._replace(centre=1.01 * trace.near)},
 }

@@ -55,8 +55,10 @@ def statements(trace: BoundaryTrace, parts: list[Part], omega: np.ndarray, follo
     flows, everything = Flows(own or either), Flows(parts)
     eps, kind, intervals = float(trace.eps[0]), Kind(trace.kind[0]), trace.intervals[0]
     found = [_centre(trace, omega)]
-    if kind == Kind.UNDECIDED or trace.covered[0]:
-        return [*found, Statement("trace", f"{kind.name}, covered {trace.covered[0]}", Judged.WITHHELD)]
+    if kind == Kind.UNDECIDED:
+        return [*found, Statement("trace", kind.name, Judged.WITHHELD)]
+    if trace.covered[0]:
+        return [*found, _covered(flows if own else everything, trace, eps)]
     inside = 1 if trace.window == "unstable" else -1
     for low, high in intervals:
         found += _interval(flows if inside < 0 else everything, flows, float(low), float(high), eps, trace, inside)
@@ -64,6 +66,9 @@ def statements(trace: BoundaryTrace, parts: list[Part], omega: np.ndarray, follo
         found.append(_kind(flows, eps, trace))
         if follow:
             found.append(_named(flows, trace, eps))
+    elif kind > Kind.STABLE:  # no window
+        sentence = f"nothing is stable at {trace.resonance.centre!r}"
+        found.append(Statement("no window", sentence, _told(flows.state(trace.resonance.centre, eps)[0] == 1)))
     elif kind == Kind.STABLE and inside > 0:
         found.append(_closed(flows, trace, eps, coupled=bool(own)))
     return found
@@ -119,25 +124,28 @@ def _edge(
 ) -> Statement:
     name = "upper" if side > 0 else "lower"
     sentence = f"{name} edge at {edge!r} ± {error:.1g}, of an interval {width:.3g} wide"
-    within = beyond = 0
-    for part in DISTANCES:
-        d = max(part * width, ERRORS * error)
-        if d > 0.2 * width:
-            continue
-        if within == 0:
-            within = int(everything.state(edge - side * d, eps)[0])
-        if beyond in (0, inside):  # another region may begin so near
-            beyond = int(flows.state(edge + side * max(d, NO_GAP * edge), eps)[0]) or beyond
-    if within == -inside:
-        return Statement("edge", f"{sentence}: not {'unstable' if inside > 0 else 'stable'} inside", Judged.WRONG)
-    if beyond == inside:
-        return Statement("edge", f"{sentence}: no edge", Judged.WRONG)
-    return Statement("edge", sentence, Judged.TRUE if within and beyond else Judged.TOO_FINE)
+    seen = set()
+    for one in (everything, *(Flows([part]) for part in flows.parts)):
+        within = beyond = 0
+        for part in DISTANCES:
+            d = max(part * width, ERRORS * error)
+            if d > 0.2 * width:
+                continue
+            if within == 0:
+                within = int(one.state(edge - side * d, eps)[0])
+            if beyond in (0, inside):  # another region may begin so near
+                beyond = int(one.state(edge + side * max(d, NO_GAP * edge), eps)[0]) or beyond
+        if within == inside and beyond == -inside:
+            return Statement("edge", sentence, Judged.TRUE)
+        seen |= {within, beyond}
+    return Statement("edge", f"{sentence}: no part has an edge there", Judged.TOO_FINE if 0 in seen else Judged.WRONG)
 
 
 def _kind(flows: Flows, eps: float, trace: BoundaryTrace) -> Statement:
     kind = Kind(trace.kind[0])
     bounds = np.where(np.isnan(trace.intervals[0]), trace.resonance.centre * np.array([0.5, 5.0]), trace.intervals[0])
+    meetings = np.array([[trace.lower_meeting[0], trace.upper_meeting[0]]])
+    bounds = np.concatenate([bounds, meetings[np.isfinite(meetings).all(axis=1)]])
     fine = np.concatenate([np.linspace(low, high, SCAN // 2)[1:-1] for low, high in bounds])
     kinds = {one for flow in flows.flows for one in flow.kinds(fine, eps)}
     judged = _told(kind in kinds) if kinds else Judged.TOO_FINE
@@ -163,12 +171,25 @@ def _named(flows: Flows, trace: BoundaryTrace, eps: float) -> Statement:
     return Statement("name", f"{sentence}; it comes from {place:.6g} ± {uncertainty:.2g}", _told(right))
 
 
-def _closed(flows: Flows, trace: BoundaryTrace, eps: float, coupled: bool) -> Statement:
+def _covered(flows: Flows, trace: BoundaryTrace, eps: float) -> Statement:
     one = trace.resonance
+    grid = one.centre + _reach(flows, trace, eps) * np.linspace(-1, 1, SCAN) ** 3
+    sentence = f"{one.label} is closed, and its place {one.centre!r} lies in the region of others"
+    return Statement("covered", sentence, _told(bool((flows.state(grid, eps) == 1).any())))
+
+
+def _reach(flows: Flows, trace: BoundaryTrace, eps: float) -> float:
+    """Return how far from its centre a region may be, to first order."""
+    centre = trace.resonance.centre
     omega = [min(part.exponents.imag) for part in flows.parts if len(part.exponents)]
     force = max((float(np.linalg.norm(F, 2)) for part in flows.parts for F in part.F), default=0.0)
-    change = eps * force / (2 * min(omega) * one.centre)
-    reach = one.centre * min(0.05, change + change**2) + 1e-6 * one.centre
+    change = eps * force / (2 * min(omega) * centre)
+    return centre * min(0.05, change + change**2) + 1e-6 * centre
+
+
+def _closed(flows: Flows, trace: BoundaryTrace, eps: float, coupled: bool) -> Statement:
+    one = trace.resonance
+    reach = _reach(flows, trace, eps)
     grid = one.centre + reach * np.linspace(-1, 1, SCAN) ** 3
     sentence = f"no instability of {one.label} round {one.centre!r} within {reach:.3g}"
     state = flows.state(grid, eps)
