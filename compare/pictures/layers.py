@@ -49,8 +49,8 @@ def draw_traces(
     """
     for trace in traces:
         closed = trace.kind == Kind.STABLE
-        lower = np.where(np.isnan(trace.lower), trace.lower_meeting, trace.lower)
-        upper = np.where(np.isnan(trace.upper), trace.upper_meeting, trace.upper)
+        lower = np.where(np.isnan(trace.lower_meeting), trace.lower, trace.lower_meeting)
+        upper = np.where(np.isnan(trace.upper_meeting), trace.upper, trace.upper_meeting)
         for edge in (lower, upper):
             kept = closed | np.isfinite(edge)
             axes.plot(edge[kept], trace.eps[kept], color=colour, lw=width, zorder=3)

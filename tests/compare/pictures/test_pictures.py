@@ -113,6 +113,19 @@ def test_a_line_skips_what_could_not_be_followed_and_breaks_where_closed(layer: 
     assert breaks == [0, 0, 1, 1]
 
 
+def test_a_line_ends_where_another_region_takes_over() -> None:
+    # at eps = 0.45 omega_1 + omega_2 has merged with 2 omega_1: its own part begins between their centres
+    zero, one = np.zeros((2, 2)), np.eye(2)
+    system = PeriodicSystem(one, zero, zero, np.diag([1.0, 1.5]), [[[1.0, 0.5], [0.5, 1.0]]])
+    trace = trace_boundary(system, 1 + np.sqrt(1.5), [0.4, 0.45])
+    assert trace.lower[1] < 2.0
+    axes = new_figure((3, 3)).add_subplot()
+    draw_traces(axes, [trace], fill=True)
+    lower, _ = (np.asarray(line.get_xdata()) for line in axes.lines)
+    assert 2.0 < lower[1] < 1 + np.sqrt(1.5)
+    assert lower[0] == trace.lower[0]
+
+
 def test_every_variant_is_in_the_legend_and_in_every_panel(layer: Layer, damped: Layer) -> None:
     figure = region_panels([Layer("elastic", layer.chart, layer.panels), damped], title="both")
     names = [text.get_text() for text in figure.legends[0].get_texts()]
