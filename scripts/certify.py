@@ -15,7 +15,7 @@ from typing import Any
 try:
     from compare.files import load_case, load_system
     from floquet_scripts import running
-    from periodic import PeriodicSystem, SystemFamily, examples
+    from periodic import PeriodicSystem, SystemFamily, examples, stiffness_alone
     from periodic.checks import real_number
     from plate import MovingPlate
 except ModuleNotFoundError as error:
@@ -142,7 +142,7 @@ def _systems(options: argparse.Namespace) -> dict[str, SystemFamily]:
     if options.terms and not options.case:
         raise ValueError("--terms is for the plates of --case; leave it out")
     if options.system:
-        return {str(options.system): load_system(options.system)}
+        return {str(options.system): stiffness_alone(load_system(options.system), str(options.system))}
     if options.example:
         return _example(options.example, dict(options.set))
     case = load_case(options.case)

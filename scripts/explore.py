@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 try:
     import numpy as np
@@ -30,7 +30,7 @@ try:
     from floquet.chart import TileStore
     from floquet_scripts import running
     from floquet_scripts.compiling import announce_compilation
-    from periodic import PeriodicSystem, SystemFamily
+    from periodic import AnyFamily, AnySystem, SystemFamily, stiffness_alone
     from periodic.checks import one_of
 except ModuleNotFoundError as error:
     if __name__ != "__main__":
@@ -68,14 +68,14 @@ class Target:
 
     name: str
     title: str
-    source: Plate | PeriodicSystem
+    source: Plate | AnySystem
     window: tuple[float, float]
     eps: float
     points: tuple[int, int] = (256, 128)
     regions: list[tuple[int, int]] | None = None
 
     @property
-    def family(self) -> SystemFamily:
+    def family(self) -> AnyFamily:
         return self.source.build() if isinstance(self.source, Plate) else self.source
 
 
@@ -176,6 +176,8 @@ def _charted(target: Target, options: argparse.Namespace, store: TileStore) -> C
     """Compute and report; return what writes the result into a folder."""
     family, progress = target.family, not options.no_progress
     bokeh = _bokeh("--html") if options.html else None
+    if options.html:  # the solutions that a click shows
+        stiffness_alone(family.at(target.window[0]), "--html: the system")
     result = explore(
         family,
         target.window,
@@ -194,7 +196,7 @@ def _charted(target: Target, options: argparse.Namespace, store: TileStore) -> C
         print(f"  {line}")
     page = ""
     if bokeh is not None:
-        points = clickable_responses(family, result.chart, n_jobs=options.jobs, progress=progress)
+        points = clickable_responses(cast(SystemFamily, family), result.chart, n_jobs=options.jobs, progress=progress)
         view = bokeh.Page(target.title, "Click the chart: the nearest computed point is shown.")
         view.frame(target.window, (0.0, target.eps))
         view.show(result)
@@ -260,6 +262,8 @@ def _bokeh(option: str, module: str = "page") -> Any:
 
 def _serve(target: Target, options: argparse.Namespace) -> int:
     live = _bokeh("--serve", "live")
+    if not isinstance(target.source, Plate):
+        stiffness_alone(target.source, "--serve: the system")
     state = live.State(target.source, target.window, (0.0, target.eps))
     server = live.serve(target.title, state, port=options.port, order=options.order, n_jobs=options.jobs)
     print(f"open http://{live.ADDRESS}:{server.port}/ in a browser; stop with Ctrl-C", flush=True)

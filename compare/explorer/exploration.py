@@ -6,7 +6,7 @@ import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -18,12 +18,14 @@ from compare.window import RIGID_FREQUENCY
 from floquet import Region, StabilityChart, stability_chart, trace_regions
 from floquet.chart import TileStore
 from floquet.regions import largest_width
-from periodic import PeriodicSystem, SystemFamily
+from periodic import AnyFamily, AnySystem, PeriodicSystem, SystemFamily
 from periodic.checks import interval, one_of, real_number, whole_number
 from perturb import TransitionCurve, transition_curves
 
 # How far beside the window, in parts of its width, a region may start that leans into it.
 LEANING_PART = 0.25
+# What is said of a system that the tracing of regions does not take.
+UNTRACED = "The regions are not traced: that takes systems of which the stiffness alone depends on time, in harmonics."
 # Amplitudes at which a curve is tested for being open in the window.
 OPEN_TEST_POINTS = 65
 
@@ -45,7 +47,7 @@ class Exploration:
     order : int
         Order of the theory, 1 or 2.
     remark : str
-        Why there are no analytic curves; empty if there are some.
+        Why there are no analytic curves, or no traced regions though they were asked for; empty if there are.
     traced : bool
         Whether regions were traced.
     """
@@ -105,7 +107,7 @@ def _plain(region: Region) -> dict[str, Any]:
 
 
 def explore(
-    family: SystemFamily,
+    family: AnyFamily,
     Omega_range: tuple[float, float],
     eps_max: float,
     *,
@@ -121,8 +123,9 @@ def explore(
 
     Parameters
     ----------
-    family : SystemFamily
-        Any system. Without a symmetric positive definite stiffness it has no analytic curves, and ``remark`` says so.
+    family : AnyFamily
+        Any linear periodic system. What there is no theory for has no analytic curves, and what cannot be traced no
+        regions; ``remark`` says so.
     Omega_range : (float, float)
         Excitation frequencies, 0 < low < high, in the system's units.
     eps_max : float
@@ -156,25 +159,34 @@ def explore(
     Omega, eps = np.linspace(*window, columns), np.linspace(0, eps_max, rows)
     chart = stability_chart(family, Omega, eps, n_jobs=n_jobs, progress=progress, cache=cache)
     bounds = window, (0.0, eps_max)
-    regions = trace_regions(family, *bounds, n_jobs=n_jobs, progress=progress) if trace else []
+    if trace and not _has_periodic_stiffness_alone(family, window[0]):
+        trace, remark = False, " ".join(filter(None, (remark, UNTRACED)))
+    regions = trace_regions(cast(SystemFamily, family), *bounds, n_jobs=n_jobs, progress=progress) if trace else []
     return Exploration(title, chart, curves, regions, order, remark, trace)
 
 
 def analytic_curves(
-    family: SystemFamily, window: tuple[float, float], eps_max: float, order: int
+    family: AnyFamily, window: tuple[float, float], eps_max: float, order: int
 ) -> tuple[list[TransitionCurve], str]:
     """Return the curves open somewhere in the window, or none and a sentence that says why there is no theory."""
     low, high = window
     beside = LEANING_PART * (high - low)
     try:
-        curves = transition_curves(family, (max(low - beside, 0.0), high + beside), order=order)
+        curves = transition_curves(cast(SystemFamily, family), (max(low - beside, 0.0), high + beside), order=order)
     except ValueError as error:  # the window has been checked: the theory refuses the system
         return [], f"The analytic curves are left out: {error}." + _without_stiffness(family.at(low))
     return [curve for curve in curves if _enters(curve, window, eps_max)], ""
 
 
-def _without_stiffness(system: PeriodicSystem) -> str:
+def _has_periodic_stiffness_alone(family: AnyFamily, Omega: float) -> bool:
+    member = family.at(Omega)
+    return isinstance(member, PeriodicSystem) and not member.terms
+
+
+def _without_stiffness(system: AnySystem) -> str:
     """Return a sentence about motions without stiffness; nothing if there are none."""
+    if not isinstance(system, PeriodicSystem):
+        return ""
     scale = np.linalg.inv(np.linalg.cholesky(system.mass))
     held = np.linalg.svd(scale @ system.stiffness @ scale.T, compute_uv=False)
     free = int((held <= RIGID_FREQUENCY**2 * held[0]).sum())

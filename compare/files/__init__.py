@@ -7,8 +7,8 @@ A case file (TOML) becomes a checked `Case`, and its variants become plates:
 >>> case.name, case.compare, [plate.speed for plate in case.systems().values()]
 ('fig2', 'within', [3.0])
 
-Matrices of your own become a `periodic.PeriodicSystem`, from .npz, MATLAB .mat or a folder of Matrix Market files, and
-go back to the last bit:
+Matrices of your own become a system, from .npz, MATLAB .mat or a folder of Matrix Market files, and go back to the last
+bit; a Python file may define what they cannot hold:
 
 >>> import tempfile
 >>> from pathlib import Path
@@ -20,7 +20,7 @@ go back to the last bit:
 [[2.5]]
 
 Results are written into `staged` folders, which replace an old result only by a complete new one. Every fault of a file
-is a ValueError that names the file and what is wrong in it; nothing in a file is ever executed.
+is a ValueError that names the file and what is wrong in it. Only Python files are executed.
 """
 
 from compare.files.cases import (
@@ -32,7 +32,8 @@ from compare.files.cases import (
     load_case,
     shipped_cases,
 )
-from compare.files.matrices import MATRIX_NAMES, load_system, save_system
+from compare.files.matrices import load_system, save_system
+from compare.files.names import MATRIX_NAMES
 from compare.files.publish import staged
 
 __all__ = [

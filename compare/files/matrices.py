@@ -1,55 +1,58 @@
-"""Your own system from a file: matrices as .npz, MATLAB .mat or a folder of Matrix Market files."""
+"""Your own system from a file: matrices as .npz, MATLAB .mat or a folder of Matrix Market files, or a Python file."""
 
 from __future__ import annotations
 
 import io
-import re
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from scipy.io import savemat
 
 from compare.files.matlab_file import matrix_bytes, read_matlab
 from compare.files.matrix_market import read_matrix_market, write_matrix_market
+from compare.files.names import Part, matrices_of, parts_of, system_of
 from compare.files.publish import staged
-from periodic import PeriodicSystem, stiffness_alone
+from compare.files.python_file import run_python_file
+from periodic import AnySystem, FirstOrderSystem, PeriodicSystem
 from periodic.checks import FloatArray, real_array
 
-# Coordinates and harmonics of a system from a file. So many coordinates can still be integrated; a larger model has to
-# be reduced to its lowest modes first. Together they bound the memory that a damaged file can ask for.
-MAX_FILE_COORDINATES, MAX_FILE_HARMONICS = 500, 64
+# Coordinates of a system from a file. So many can still be integrated; a larger model has to be reduced to its lowest
+# modes first.
+MAX_FILE_COORDINATES = 500
 MAX_MATRIX_BYTES = matrix_bytes(MAX_FILE_COORDINATES)
 
 ZIP_MAGIC = b"PK\x03\x04"
-MATRIX_NAMES = {"mass": "M", "gyroscopic": "G", "damping": "C", "stiffness": "K"}
-REQUIRED_MATRICES = ("M", "K")
-EXCITATION_NAME = re.compile(r"F([1-9][0-9]{0,8})([CS])")
-SYSTEM_FORMATS = "give a .npz file, a MATLAB .mat file or a folder of Matrix Market files (.mtx)"
+SYSTEM_FORMATS = (
+    "give a .npz file, a MATLAB .mat file, a folder of Matrix Market files (.mtx) or a Python file with a function "
+    "system()"
+)
 
 
-def load_system(path: str | Path) -> PeriodicSystem:
-    """Read a system M W'' + (G + C) W' + (K + eps sum_j [Fjc cos(j Omega t) + Fjs sin(j Omega t)]) W = 0.
+def load_system(path: str | Path) -> AnySystem:
+    """Read a system from a file of matrices, or from a Python file.
 
     Parameters
     ----------
     path : str or Path
-        A .npz file, a MATLAB .mat file (version 7 or older) or a folder of Matrix Market files (M.mtx, K.mtx, ...).
-        The matrices are named M, G, C, K, F1c, F1s, F2c, ..., in capitals or not, dense or sparse; M, K and one F are
-        needed, the others are zero if missing. docs/matrices.md describes the format.
+        A .npz file, a MATLAB .mat file (version 7 or older) or a folder of Matrix Market files (M.mtx, K.mtx, ...):
+        M, G, C, K and what the excitation adds to them, K1c, C2s, K1c_2, ...; or A, A1c, ... of x' = A x. In capitals
+        or not, dense or sparse. M, K (or A) and one excited matrix are needed, the others are zero if missing.
+        docs/matrices.md describes the format. Or a Python file (.py) with a function ``system()`` that returns a
+        `PeriodicSystem` or a `FirstOrderSystem`: it is executed.
 
     Returns
     -------
-    PeriodicSystem
+    PeriodicSystem or FirstOrderSystem
 
     Raises
     ------
     ValueError
         If the file cannot be read, a name is unknown or missing, or a matrix is not what its name asks for; the
-        message names file and matrix. Nothing in a file is ever executed: pickled objects are refused.
+        message names file and matrix. Nothing in a file of matrices is ever executed: pickled objects are refused.
     """
     path = _as_path(path)
     if path.is_dir():
@@ -58,60 +61,54 @@ def load_system(path: str | Path) -> PeriodicSystem:
         found = _read_npz(path)
     elif path.suffix.lower() == ".mat":
         found = _read_mat(path)
+    elif path.suffix.lower() == ".py":
+        return run_python_file(path)
     else:
         fault = "has no ending that says what it holds" if path.exists() else "is not there"
         raise ValueError(f"{path}: {fault}; {SYSTEM_FORMATS}")
+    parts = parts_of(found)
     matrices = {name: _dense(f"{path}: {name}", value) for name, value in found.items()}
-    n = len(matrices["M"])
+    first = next(name for name, part in parts.items() if part in (Part("M"), Part("A")))
+    n = len(matrices[first])
     for name, matrix in matrices.items():
         if matrix.shape != (n, n):
-            raise ValueError(f"{path}: {name} has shape {matrix.shape}; give ({n}, {n}), as M has")
+            raise ValueError(f"{path}: {name} has shape {matrix.shape}; give ({n}, {n}), as {first} has")
     try:
-        return PeriodicSystem(**_arguments(matrices))
+        return system_of({parts[name]: matrix for name, matrix in matrices.items()})
     except ValueError as error:
-        field, _, fault = str(error).partition(" ")
-        raise ValueError(f"{path}: {MATRIX_NAMES.get(field, 'F')} ({field}) {fault}") from None
+        raise ValueError(f"{path}: {error}") from None
 
 
-def save_system(path: str | Path, system: PeriodicSystem) -> None:
-    """Write a system in a form that `load_system` reads back to the last bit.
+def save_system(path: str | Path, system: AnySystem) -> None:
+    """Write a system in a form that `load_system` reads back, to the last bit if each term has one harmonic.
 
     Parameters
     ----------
     path : str or Path
         A name ending in .npz or .mat, or a folder for Matrix Market files. An old file is replaced only by a complete
         new one.
-    system : PeriodicSystem
+    system : PeriodicSystem or FirstOrderSystem
         Its matrices are written, but for those that are zero and not needed.
 
     Raises
     ------
     ValueError
-        If ``system`` is no PeriodicSystem, has more coordinates or harmonics than `load_system` takes, or ``path``
-        cannot be written to.
+        If ``system`` is no system, has more coordinates or harmonics than `load_system` takes, or waveforms that are no
+        finite Fourier sums, or ``path`` cannot be written to.
     """
     path = _as_path(path)
-    if not isinstance(system, PeriodicSystem):
-        raise ValueError(f"system = {system!r} is no PeriodicSystem; give one")
-    stiffness_alone(system)
-    if system.size > MAX_FILE_COORDINATES or system.harmonics > MAX_FILE_HARMONICS:
-        raise ValueError(
-            f"system has {system.size} coordinates and {system.harmonics} harmonics; "
-            f"give at most {MAX_FILE_COORDINATES} and {MAX_FILE_HARMONICS}"
-        )
-    matrices = {letter: getattr(system, field) for field, letter in MATRIX_NAMES.items()}
-    for j, (cosine, sine) in enumerate(zip(system.cosine, system.sine, strict=True), start=1):
-        matrices |= {f"F{j}c": cosine, f"F{j}s": sine}
-    # The last cosine stays even if zero: it says how many harmonics there are.
-    needed = {*REQUIRED_MATRICES, f"F{system.harmonics}c"}
-    matrices = {name: matrix for name, matrix in matrices.items() if name in needed or matrix.any()}
+    if not isinstance(system, PeriodicSystem | FirstOrderSystem):
+        raise ValueError(f"system = {system!r} is no PeriodicSystem and no FirstOrderSystem; give one")
+    if system.size > MAX_FILE_COORDINATES:
+        raise ValueError(f"system has {system.size} coordinates; give at most {MAX_FILE_COORDINATES}")
+    matrices = {part.name: matrix for part, matrix in matrices_of(system).items()}
     if path.suffix.lower() in (".npz", ".mat"):
         with staged(path.parent) as folder:
             if path.suffix.lower() == ".mat":
                 savemat(str(folder / path.name), matrices, appendmat=False, do_compression=True)
             else:
                 with (folder / path.name).open("wb") as file:  # savez would add .npz to a name that ends in .NPZ
-                    np.savez_compressed(file, **matrices)
+                    np.savez_compressed(file, **cast(dict[str, Any], matrices))
         return
     others = sorted({file.name for file in path.glob("*.mtx")} - {f"{name}.mtx" for name in matrices})
     if others:
@@ -121,35 +118,13 @@ def save_system(path: str | Path, system: PeriodicSystem) -> None:
             write_matrix_market(folder / f"{name}.mtx", matrix)
 
 
-def _arguments(matrices: Mapping[str, FloatArray]) -> dict[str, Any]:
-    """Return the arguments of `PeriodicSystem`, zero where a matrix is missing."""
-    zero = np.zeros_like(matrices["M"])
-    arguments: dict[str, Any] = {field: matrices.get(letter, zero) for field, letter in MATRIX_NAMES.items()}
-    J = max(int(name[1:-1]) for name in matrices if EXCITATION_NAME.fullmatch(name.upper()))
-    for field, letter in (("cosine", "c"), ("sine", "s")):
-        arguments[field] = np.array([matrices.get(f"F{j}{letter}", zero) for j in range(1, J + 1)])
-    return arguments
-
-
-def _names(path: Path, given: list[str]) -> dict[str, str]:
-    """Return {name in the file: canonical name}, refusing unknown, repeated and missing names."""
-    names: dict[str, str] = {}
-    for name in given:
-        upper = name.upper()
-        excitation = EXCITATION_NAME.fullmatch(upper)
-        if upper not in MATRIX_NAMES.values() and excitation is None:
-            raise ValueError(f"{path}: {name!r} is no matrix of a system; name them M, G, C, K, F1c, F1s, F2c, ...")
-        if excitation and int(excitation[1]) > MAX_FILE_HARMONICS:
-            raise ValueError(f"{path}: {name} is beyond harmonic {MAX_FILE_HARMONICS}; leave it out")
-        canonical = f"F{excitation[1]}{excitation[2].lower()}" if excitation else upper
-        if canonical in names.values():
-            raise ValueError(f"{path}: {canonical} is there twice; capitals make no difference, keep one")
-        names[name] = canonical
-    for letter in REQUIRED_MATRICES:
-        if letter not in names.values():
-            raise ValueError(f"{path}: {letter} is missing; add it")
-    if not any(name.startswith("F") for name in names.values()):
-        raise ValueError(f"{path}: there is no excitation; add at least one of F1c, F1s, F2c, ...")
+def _checked(path: Path, names: Iterable[str]) -> list[str]:
+    """Return the names of a file, refused if they make no system."""
+    names = list(names)
+    try:
+        parts_of(names)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
     return names
 
 
@@ -166,16 +141,16 @@ def _read_npz(path: Path) -> dict[str, Any]:
                     f"{path}: {member.filename} has {member.file_size} bytes; give at most {MAX_MATRIX_BYTES}"
                 )
         matrices = {}
-        for name, canonical in _names(path, archive.files).items():
-            with _parser_of(path, f"the plain array {canonical}; a sparse matrix has to be saved by its .toarray()"):
-                matrices[canonical] = archive[name]
+        for name in _checked(path, archive.files):
+            with _parser_of(path, f"the plain array {name}; a sparse matrix has to be saved by its .toarray()"):
+                matrices[name] = archive[name]
         return matrices
 
 
 def _read_mat(path: Path) -> dict[str, FloatArray]:
     with _parser_of(path, "a MATLAB file"):
         variables = read_matlab(path, MAX_FILE_COORDINATES)
-    return {canonical: variables[name] for name, canonical in _names(path, list(variables)).items()}
+    return {name: variables[name] for name in _checked(path, variables)}
 
 
 def _read_folder(path: Path) -> dict[str, FloatArray]:
@@ -184,9 +159,9 @@ def _read_folder(path: Path) -> dict[str, FloatArray]:
     if not files:
         raise ValueError(f"{path}: this folder has no .mtx file; {SYSTEM_FORMATS}")
     matrices = {}
-    for name, canonical in _names(path, list(files)).items():
+    for name in _checked(path, files):
         with _parser_of(files[name], "a Matrix Market file"):
-            matrices[canonical] = read_matrix_market(files[name], MAX_FILE_COORDINATES)
+            matrices[name] = read_matrix_market(files[name], MAX_FILE_COORDINATES)
     return matrices
 
 

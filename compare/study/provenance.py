@@ -74,6 +74,9 @@ def _described(study: Study, family: SystemFamily) -> str:
         digest = hashlib.sha256()
         for name in ("mass", "gyroscopic", "damping", "stiffness", "cosine", "sine"):
             digest.update(np.ascontiguousarray(getattr(member, name)).tobytes())
+        for term in member.terms:
+            digest.update(repr((term.of, term.power, term.waveform)).encode())
+            digest.update(np.ascontiguousarray(term.matrix).tobytes())
         size = f"n = {member.size}, J = {member.harmonics}, matrices {digest.hexdigest()[:HASH_CHARACTERS]}"
         return f"{size}; {window}"
     terms = family.terms  # those that were used, also where the plate chose them

@@ -12,7 +12,7 @@ from compare.rigid import elastic_part
 from compare.study.study import Subject
 from compare.study.truncation import lowest_modes
 from compare.window import MODES_SHOWN, default_window
-from periodic import PeriodicSystem
+from periodic import AnySystem, FirstOrderSystem, PeriodicSystem, stiffness_alone
 from periodic.checks import interval, real_number, whole_number
 from periodic.system import SYMMETRY_TOLERANCE
 from perturb import gyroscopic_modes, transition_curves
@@ -28,8 +28,8 @@ class OwnSystem:
     Attributes
     ----------
     path : Path
-    system : PeriodicSystem
-        As it is integrated: a large one in its lowest modes.
+    system : PeriodicSystem or FirstOrderSystem
+        As it is integrated: a large one with periodic stiffness alone in its lowest modes.
     window, eps : (float, float), float
         Excitation frequencies and largest amplitude.
     remark : str
@@ -37,7 +37,7 @@ class OwnSystem:
     """
 
     path: Path
-    system: PeriodicSystem
+    system: AnySystem
     window: tuple[float, float]
     eps: float
     remark: str
@@ -78,6 +78,8 @@ def own_system(
     low, high = interval("Omega_range", window, nonnegative=True)
     window = real_number("Omega_range[0]", low, positive=True), high
     eps = real_number("eps_max", eps, positive=True)
+    if isinstance(system, FirstOrderSystem) or system.terms:
+        return OwnSystem(path, system, window, eps, "")
     elastic, rigid = elastic_part(system, high)
     system = elastic.at(high)
     small, remark = (system, "") if all_modes else lowest_modes(system, window, eps)
@@ -102,8 +104,9 @@ def system_subject(own: OwnSystem, *, points: tuple[int, int] = CHART_POINTS, mo
     whole_number("modes", modes, least=1)
     columns, rows = (whole_number("points", number, least=2, most=MAX_CHART_POINTS) for number in points)
     try:
-        found = gyroscopic_modes(own.system)
-        curves = transition_curves(own.system, own.window)
+        system = stiffness_alone(own.system)
+        found = gyroscopic_modes(system)
+        curves = transition_curves(system, own.window)
     except ValueError as error:
         field = str(error).partition(" ")[0]
         name = f"{MATRIX_NAMES[field]} ({field})" if field in MATRIX_NAMES else "the system"
@@ -118,7 +121,7 @@ def system_subject(own: OwnSystem, *, points: tuple[int, int] = CHART_POINTS, mo
             f"in the window, Omega from {own.window[0]:g} to {own.window[1]:g}; give another --Omega, or more --modes"
         )
     remarks = [own.remark]
-    if not found.decay.all() and _is_unsymmetric(own.system):
+    if not found.decay.all() and _is_unsymmetric(system):
         remarks.append(
             "The excitation is unsymmetric and there is no damping: between the regions, too, solutions grow or decay, "
             "like ε², so that the regions have no edges. Add some damping."
@@ -126,7 +129,7 @@ def system_subject(own: OwnSystem, *, points: tuple[int, int] = CHART_POINTS, mo
     return Subject(
         name=own.path.stem,
         title=own.path.name,
-        systems={"": own.system},
+        systems={"": system},
         window=own.window,
         eps=own.eps,
         points=(columns, rows),

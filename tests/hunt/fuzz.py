@@ -23,8 +23,7 @@ import numpy as np
 import scipy.io
 import scipy.sparse
 
-from compare.files import Plate, load_case
-from compare.files.matrices import MATRIX_NAMES, load_system
+from compare.files import MATRIX_NAMES, Plate, load_case, load_system
 from floquet import monodromy
 from periodic import PeriodicSystem
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, meissner

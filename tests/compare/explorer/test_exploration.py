@@ -11,7 +11,7 @@ import pytest
 from compare.explorer.exploration import explore
 from compare.window import default_window
 from floquet import StabilityChart
-from periodic import PeriodicSystem
+from periodic import PeriodicSystem, Term, waveforms
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu
 
 
@@ -90,3 +90,15 @@ def test_the_audit_is_told() -> None:
     result = explore(mathieu(), (1.0, 3.0), 0.5, points=(16, 8), n_jobs=1)
     assert "integrated again by another method" in result.audit
     assert "within the estimated error" in result.audit
+
+
+def test_any_linear_periodic_system_has_its_chart(tmp_path: Path) -> None:
+    damping = Term("damping", [[1.0]], waveforms.cosine(1))
+    system = PeriodicSystem([[1.0]], damping=[[0.1]], stiffness=[[1.0]], terms=[damping])
+    result = explore(system, (1.5, 2.5), 0.8, points=(8, 4), n_jobs=1)
+    assert "The analytic curves are left out" in result.remark or result.curves
+    assert "The regions are not traced: that takes systems of which the stiffness alone" in result.remark
+    assert not result.traced
+    assert (result.chart.kind > 0).any()
+    result.write(tmp_path, "damped")
+    assert json.loads((tmp_path / "damped-regions.json").read_text(encoding="utf-8")) is None

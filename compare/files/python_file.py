@@ -1,0 +1,43 @@
+"""Your own system from a Python file, for what no file of matrices holds: jumps, functions, parameters."""
+
+from __future__ import annotations
+
+import runpy
+from pathlib import Path
+
+from periodic import AnySystem, FirstOrderSystem, PeriodicSystem
+
+# The function that a file defines.
+FUNCTION = "system"
+
+
+def run_python_file(path: Path) -> AnySystem:
+    """Execute a file and return what its function ``system()`` returns.
+
+    Raises
+    ------
+    ValueError
+        If it cannot be read or executed, has no such function, the function fails, or returns no system.
+    """
+    if not path.is_file():
+        raise ValueError(f"{path}: it is no file")
+    try:
+        made = runpy.run_path(str(path))
+    except (Exception, SystemExit) as error:
+        raise ValueError(f"{path}: cannot be executed ({_what(error)})") from error
+    function = made.get(FUNCTION)
+    if not callable(function):
+        raise ValueError(f"{path}: has no function {FUNCTION}(); define one that returns a PeriodicSystem")
+    try:
+        found = function()
+    except (Exception, SystemExit) as error:
+        raise ValueError(f"{path}: {FUNCTION}() failed ({_what(error)}); its parameters need defaults") from error
+    if not isinstance(found, PeriodicSystem | FirstOrderSystem):
+        raise ValueError(
+            f"{path}: {FUNCTION}() returned {found!r}; let it return a periodic.PeriodicSystem or FirstOrderSystem"
+        )
+    return found
+
+
+def _what(error: BaseException) -> str:
+    return f"{type(error).__name__}: {error}"
