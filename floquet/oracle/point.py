@@ -52,7 +52,8 @@ class Monodromy:
     Attributes
     ----------
     matrix : ndarray, shape (2n, 2n)
-        Phi(T), T = 2 pi / Omega, in the coordinates q = (W', W) of eq. (13).
+        Phi(T), T = 2 pi / Omega, in the coordinates q = (W', W) of eq. (13), from just after t = 0; of a first-order
+        system (n, n), in its states.
     growth_rate : float
         max log|mu| / T without rigid motions, per unit of time; 0 for a stable conservative system.
     error : float
@@ -79,7 +80,7 @@ class Monodromy:
 
     @property
     def multipliers(self) -> ComplexArray:
-        """The 2n multipliers by decreasing modulus, small ones as right as large ones (complex ndarray).
+        """The 2n multipliers (n of a first-order system) by decreasing modulus, small ones as right as large ones (complex ndarray).
 
         Those of a stable conservative or reversible system are on the unit circle. Each rigid motion has 1 twice. A
         multiplier too small for float64 is 0. If the eigenvalues of ``matrix`` are not accurate enough, the period is
@@ -131,7 +132,8 @@ def monodromy(system: AnyFamily, Omega: float, eps: float, *, tolerance: float =
     ------
     ValueError
         If an argument is of the wrong type, not finite or out of range; if the solution grows by more than a factor of
-        1e150 in one period; if the period is so long that the integration would take more than five minutes.
+        1e150 in one period; if the period is so long that the integration would take more than five minutes; if the
+        mass matrix becomes singular within the period.
 
     Notes
     -----
@@ -139,6 +141,9 @@ def monodromy(system: AnyFamily, Omega: float, eps: float, *, tolerance: float =
     as the step needs. The error estimate has two parts: the difference from eight random solutions that are integrated
     once more with half the step, and what rounding in each part of the period amounts to at its end. The second part
     is there because two integrations may agree by chance. Nothing is shared with `stability_chart`.
+
+    Systems with other terms than harmonics of the stiffness are integrated from jump to jump, by Taylor series or, where
+    all is constant, by exponentials. Where the mass jumps, the momentum M W' goes on.
     """
     Omega = real_number("Omega", Omega, positive=True)
     eps = real_number("eps", eps)
