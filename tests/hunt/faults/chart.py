@@ -144,7 +144,7 @@ FAULTS = (
     Fault(
         "rounding in a large matrix forgotten",
         "floquet/engine/column.py",
-        "* (nu if subsystem.symplectic else nu**2)",
+        "* (nu if symplectic else nu**2)",
         "* np.ones_like(nu)",
         "floquet/oracle/test_exact_boundary.py::test_chart_decides_nothing_on_a_boundary",
     ),
