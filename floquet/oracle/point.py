@@ -80,11 +80,12 @@ class Monodromy:
 
     @property
     def multipliers(self) -> ComplexArray:
-        """The 2n multipliers (n of a first-order system) by decreasing modulus, small ones as right as large ones (complex ndarray).
+        """The multipliers by decreasing modulus, small ones as right as large ones (complex ndarray).
 
-        Those of a stable conservative or reversible system are on the unit circle. Each rigid motion has 1 twice. A
-        multiplier too small for float64 is 0. If the eigenvalues of ``matrix`` are not accurate enough, the period is
-        integrated once more, in parts, when multipliers or their errors are first asked for.
+        They are as many as ``matrix`` has rows. Those of a stable conservative or reversible system are on the unit
+        circle. Each rigid motion has 1 twice. A multiplier too small for float64 is 0. If the eigenvalues of ``matrix``
+        are not accurate enough, the period is integrated once more, in parts, when multipliers or their errors are
+        first asked for.
         """
         return self._multipliers[0]
 
@@ -142,8 +143,8 @@ def monodromy(system: AnyFamily, Omega: float, eps: float, *, tolerance: float =
     once more with half the step, and what rounding in each part of the period amounts to at its end. The second part
     is there because two integrations may agree by chance. Nothing is shared with `stability_chart`.
 
-    Systems with other terms than harmonics of the stiffness are integrated from jump to jump, by Taylor series or, where
-    all is constant, by exponentials. Where the mass jumps, the momentum M W' goes on.
+    Systems with other terms than harmonics of the stiffness are integrated from jump to jump, by Taylor series or,
+    where all is constant, by exponentials. Where the mass jumps, the momentum M W' goes on.
     """
     Omega = real_number("Omega", Omega, positive=True)
     eps = real_number("eps", eps)
