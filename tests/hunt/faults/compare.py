@@ -110,10 +110,17 @@ FAULTS = (
     ),
     Fault(
         "cosines read as sines",
-        "compare/files/matrices.py",
-        '(("cosine", "c"), ("sine", "s"))',
-        '(("cosine", "s"), ("sine", "c"))',
+        "compare/files/names.py",
+        'for wave in ("c", "s")',
+        'for wave in ("s", "c")',
         "compare/files/test_matrices.py",
+    ),
+    Fault(
+        "powers of eps in names forgotten",
+        "compare/files/names.py",
+        "wave.lower(), int(power or 1))",
+        "wave.lower(), 1)",
+        "compare/files/test_names.py",
     ),
     Fault(
         "zip bombs are opened",
