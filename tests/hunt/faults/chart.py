@@ -213,4 +213,19 @@ FAULTS = (
         "if False:",
         "floquet/chart/test_checkpoint.py",
     ),
+    Fault(
+        "a step that forgets that the excitation moves",
+        "floquet/engine/general/step.py",
+        " - np.dot(V, A) - slope",
+        " - np.dot(V, A)",
+        "floquet/engine/test_general.py",
+        compiled=True,
+    ),
+    Fault(
+        "other powers of eps sampled like the first",
+        "floquet/engine/doubling/schedule.py",
+        "(np.count_nonzero(x) > 1 or len(across) > 1) and not graded",
+        "np.count_nonzero(x) > 1",
+        "floquet/engine/test_general.py",
+    ),
 )

@@ -103,4 +103,18 @@ FAULTS = (
         "[arb(0)] * size**2",
         "floquet/certified/test_enclosed_monodromy.py",
     ),
+    Fault(
+        "a velocity that goes on where the mass jumps",
+        "floquet/oracle/general/period.py",
+        "matrix = np.asarray(np.linalg.solve(E, c.at(phase, sum(before) / 2)[0]), dtype=np.float64)",
+        "matrix = np.eye(len(E))",
+        "floquet/oracle/test_general.py",
+    ),
+    Fault(
+        "a jump at the beginning of a period forgotten",
+        "floquet/oracle/general/period.py",
+        "if c.pieces or c.pulses:",
+        "if len(segments) > 1:",
+        "floquet/oracle/test_general.py",
+    ),
 )
