@@ -92,7 +92,9 @@ class GeneralSubsystem:
 
     @cached_property
     def rates(self) -> list[tuple[int, float]]:
-        """Power of eps and largest norm of each part but for pulses."""
+        """Power of eps of each part but for pulses, and a bound on the growth or on the norm that it brings."""
+        if self.smooth is not None:
+            return list(zip(map(int, self.smooth.powers), self.smooth.strength.tolist(), strict=True))
         return [
             (part.power, float(np.linalg.norm(part.A, 2)) * largest_value(part.waveform))
             for part in self.parts
@@ -277,7 +279,8 @@ def numerical_radius(X: FloatArray) -> float:
     It is half of |X| + |X^2|^(1/2) at most (F. Kittaneh, Studia Mathematica 158 (2003) 11-17): |X| / 2 for a force that
     depends on places alone, |X| for damping.
     """
-    return float(np.linalg.norm(X, 2) + math.sqrt(np.linalg.norm(X @ X, 2))) / 2
+    # the Frobenius norm is larger than that of Kittaneh's bound, but costs nothing
+    return float(np.linalg.norm(X, 2) + math.sqrt(np.linalg.norm(X @ X))) / 2
 
 
 def _terms(system: AnySystem) -> Iterator[tuple[str, Waveform, FloatArray, int]]:
