@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+from contextlib import suppress
 
 from tests.hunt.statements.hunt import Tally, case
 from tests.hunt.statements.statement import Case, Judged
@@ -29,8 +30,9 @@ def main(arguments: list[str] | None = None) -> int:
     shown = {Judged.WRONG, Judged.WITHHELD} if options.withheld else {Judged.WRONG}
     began = time.process_time()
     tally = Tally()
-    for one in tally.cases_from(options.seed, options.statements, options.sort):
-        _show(one, shown)
+    with suppress(KeyboardInterrupt):  # what has been counted so far
+        for one in tally.cases_from(options.seed, options.statements, options.sort):
+            _show(one, shown)
     print(f"{tally}, in {time.process_time() - began:.0f} s of processor time")
     return int(tally.counts[Judged.WRONG] > 0)
 

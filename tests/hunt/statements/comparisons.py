@@ -13,8 +13,9 @@ from tests.hunt.statements.parts import Part, parts_of
 from tests.hunt.statements.statement import Judged, Statement
 from tests.hunt.statements.traces import holds
 
-# At this part of the width from an edge, or this many errors, both sides are looked at.
-DISTANCE, ERRORS = 1e-2, 10.0
+# At these parts of the width from an edge, or this many errors, both sides are looked at: the first that is right will
+# do, as another region may begin near by.
+DISTANCES, ERRORS = np.array([1e-2, 1e-3, 1e-4]), 10.0
 SCAN = 41
 # What is left at the lowest rung of a gap over eps^order, as part of its value at the top, where it vanishes.
 LEFT = 0.75
@@ -61,10 +62,11 @@ def _verdict(one: RegionAgreement, parts: list[Part], omega: np.ndarray, order: 
         edge, width = float(one.traced[k, -1]), float(one.traced[1, -1] - one.traced[0, -1])
         if not np.isfinite(width):
             continue
-        d = max(DISTANCE * width, ERRORS * float(one.traced_error[k, -1]))
-        inside, outside = flows.state([edge + (1 - 2 * k) * d, edge - (1 - 2 * k) * d], eps)
-        right = inside == 1 and outside == -1
-        judged = Judged.TRUE if right else Judged.TOO_FINE if 0 in (inside, outside) else Judged.WRONG
+        inward = (1 - 2 * k) * np.maximum(DISTANCES * width, ERRORS * float(one.traced_error[k, -1]))
+        inside, outside = flows.state(edge + inward, eps), flows.state(edge - inward, eps)
+        right = bool(((inside == 1) & (outside == -1)).any())
+        told = bool((inside != 0).all() and (outside != 0).all())
+        judged = Judged.TRUE if right else Judged.WRONG if told else Judged.TOO_FINE
         found.append(Statement("traced", f"{one.label}: {name} edge by integration {edge!r} at eps = {eps!r}", judged))
     return found
 
