@@ -3,19 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from periodic import PeriodicSystem, SystemFamily, member_at
-from periodic.checks import ComplexArray, FloatArray, interval, one_of, real_array, whole_number
+from periodic import AnyFamily, AnySystem, PeriodicSystem, SystemFamily, any_member_at, member_at
+from periodic.checks import (
+    ComplexArray,
+    FloatArray,
+    interval,
+    is_positive_definite,
+    one_of,
+    real_array,
+    whole_number,
+)
 from periodic.system import SYMMETRY_TOLERANCE
 from perturb.campbell import campbell_resonances
 from perturb.coupling import amplitude, products
 from perturb.curve import Prediction, TransitionCurve
 from perturb.effective_matrix import alone, expansion_range, in_company
 from perturb.expansion import Expansion, modal_equations, same_matrices, same_modes
+from perturb.general import general_transition_curves
 from perturb.modes import GyroscopicModes, gyroscopic_modes
 from perturb.pair import Detuning
 from perturb.resonance import TYPES, Resonance, Resonances, find_resonances
@@ -24,7 +33,7 @@ from perturb.resonant_states import ResonantStates
 
 
 def transition_curves(
-    family: SystemFamily,
+    family: AnyFamily,
     Omega_range: tuple[float, float],
     order: int = 1,
     types: Sequence[str] = TYPES,
@@ -42,11 +51,16 @@ def transition_curves(
     for each. Where the two sides touch, the region is as wide as the square root of eps and the slope is infinite.
     Where they come near each other without meeting there is no curve, although a larger eps may open a region there.
 
+    Systems of the form of eq. (11) are expanded about their undamped modes. What has other terms, an unsymmetric or
+    indefinite stiffness, damping that feeds energy, or is of first order, is expanded about the right and left
+    eigenvectors of its constant part, damping included (`perturb.general`): damping need not be small, and modes are
+    numbered by the imaginary parts of the eigenvalues. Of a waveform that is no finite Fourier sum, theory takes as
+    many harmonics as its second order needs, at most 128.
+
     Parameters
     ----------
-    family : SystemFamily
-        A `PeriodicSystem`, or anything with ``at(Omega)``; all matrices may depend on Omega. The stiffness must be
-        symmetric positive definite and the damping must not feed energy into a mode.
+    family : AnyFamily
+        A `PeriodicSystem`, a `FirstOrderSystem`, or anything with ``at(Omega)``; all matrices may depend on Omega.
     Omega_range : (low, high)
         Excitation frequencies, 0 <= low < high.
     order : {1, 2}
@@ -55,8 +69,8 @@ def transition_curves(
         j Omega = omega_p + omega_q, j Omega = omega_p - omega_q.
     vanishing_damping : array_like, shape (n, n), optional
         Shape D of a damping matrix c D whose c -> 0: gives the literal eqs. (25), (27) at c = 0, whose edges lie
-        further out than the undamped ones (the default) by (c_p + c_q) / (2 sqrt(c_p c_q)). For an undamped system at
-        first order.
+        further out than the undamped ones (the default) by (c_p + c_q) / (2 sqrt(c_p c_q)). For an undamped system of
+        the form of eq. (11) at first order.
 
     Returns
     -------
@@ -68,8 +82,8 @@ def transition_curves(
     Raises
     ------
     ValueError
-        If an argument has the wrong type, value or shape; if the stiffness is not symmetric positive definite, or not
-        throughout the range; if the damping makes a mode grow; if frequencies change too fast with Omega.
+        If an argument has the wrong type, value or shape; if frequencies change too fast with Omega; if an eigenvalue
+        of the constant part is defective, or the mass jumps (`perturb.general`).
 
     Notes
     -----
@@ -83,6 +97,32 @@ def transition_curves(
     low, high = interval("Omega_range", Omega_range, nonnegative=True)
     order = whole_number("order", order, least=1, most=2)
     types = _checked_types(types)
+    if not all(_is_of_eq_11(any_member_at(family, at, "family")) for at in (high, 0.5 * (low + high), low)):
+        if vanishing_damping is not None:
+            raise ValueError("vanishing_damping is for undamped systems of the form of eq. (11); leave it out")
+        return general_transition_curves(family, (low, high), order, types)
+    return _paper_curves(cast(SystemFamily, family), (low, high), order, types, vanishing_damping)
+
+
+def _is_of_eq_11(system: AnySystem) -> bool:
+    """Whether only the stiffness depends on time, and the undamped modes of eqs. (14)-(16) exist and none is fed."""
+    if not isinstance(system, PeriodicSystem) or system.terms:
+        return False
+    K = system.stiffness
+    if np.abs(K - K.T).max() > SYMMETRY_TOLERANCE * np.abs(K).max() or not is_positive_definite(0.5 * (K + K.T)):
+        return False
+    return is_positive_definite(system.damping) or bool((gyroscopic_modes(system).decay >= 0).all())
+
+
+def _paper_curves(
+    family: SystemFamily,
+    window: tuple[float, float],
+    order: int,
+    types: tuple[str, ...],
+    vanishing_damping: ArrayLike | None,
+) -> list[TransitionCurve]:
+    """Return the transition curves of systems of the form of eq. (11)."""
+    low, high = window
     system = member_at(family, high, "family")
     fixed = same_modes(system, member_at(family, 0.5 * (low + high), "family"))
     expansion = Expansion(family, gyroscopic_modes(system) if fixed else None)
@@ -90,7 +130,6 @@ def transition_curves(
     multiples = set(range(1, system.harmonics + 1))
     if order == 2:
         multiples |= {a + b for a in direct for b in direct}
-    window = (low, high)
     if expansion.modes is None:
         found = Resonances.of(campbell_resonances(family, sorted(multiples), window, types))
     else:

@@ -145,9 +145,10 @@ def test_a_turning_detuning_goes_on_to_where_it_comes_back() -> None:
     np.testing.assert_allclose(mirrored, (-upper, -lower))
 
 
-def test_stiffness_must_be_positive_definite_throughout() -> None:
-    with pytest.raises(ValueError, match="stiffness has the lowest eigenvalue"):
-        transition_curves(oscillator(lambda x: 2.0 - x), (1.0, 3.0))
+def test_where_the_stiffness_turns_indefinite_resonances_end() -> None:
+    (curve,) = transition_curves(oscillator(lambda x: 2.0 - x), (1.0, 3.0))
+    assert curve.label == "2ω₁"
+    assert curve.centre == pytest.approx(np.sqrt(12) - 2, abs=1e-12)  # Omega^2 = 4 (2 - Omega)
 
 
 def test_frequencies_that_jump_are_refused() -> None:
