@@ -28,7 +28,8 @@ How the modules work together:
 - `expansion` writes the equations in the modal basis, `effective_matrix` reduces them to the few states that resonate
   together, to first or second order in eps, `intervals` finds where these states are unstable, and `resonant_states`
   makes the theory of a resonance of it;
-- `transition` chooses between the two, and `curve` is what it returns.
+- `transition` chooses between the two, and `curve` is what it returns;
+- `general` has the same for any linear periodic system, and harmonic balance.
 """
 
 from perturb.curve import TransitionCurve
