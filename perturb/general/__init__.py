@@ -20,10 +20,20 @@ Harmonic balance expands nothing in eps. It gives the amplitudes at which a mult
 >>> print(f"{balanced_exponents(system, 2.0, eps=0.1).growth_rate:.4f}")
 0.0150
 
+Where a system is unstable by itself, second order says how excitation stabilises it. A pivot that shakes with the
+acceleration eps holds up an inverted pendulum, x'' + (- 1 + eps cos Omega t) x = 0, while Omega is below eps / sqrt(2):
+
+>>> from perturb.general import stable_windows
+>>> inverted = PeriodicSystem([[1.0]], stiffness=[[-1.0]], cosine=[[1.0]])
+>>> [window] = stable_windows(inverted, (15.0, 40.0), eps=32.0)
+>>> print(f"up to {window.upper:.1f}")
+up to 22.5
+
 - `blocks` has the first-order form by powers of eps and harmonics, `eigenstates` its right and left eigenvectors;
 - `equations` is Hill's infinite matrix in these states, `resonances` lists what resonates;
 - `resonant_states` makes the theory of one resonance, to first or second order, with the machinery of `perturb`
   (`effective_matrix`, `intervals`, `resonant_states`), and `curves` puts all of it together;
+- `windows` finds where excitation stabilises what is unstable without it, to second order;
 - `harmonic_balance` has Bolotin's and Hill's determinants.
 """
 
@@ -34,11 +44,15 @@ from perturb.general.harmonic_balance import (
     balanced_amplitudes,
     balanced_exponents,
 )
+from perturb.general.windows import StableWindow, second_order_growth, stable_windows
 
 __all__ = [
     "BalancedAmplitudes",
     "BalancedExponents",
+    "StableWindow",
     "balanced_amplitudes",
     "balanced_exponents",
     "general_transition_curves",
+    "second_order_growth",
+    "stable_windows",
 ]

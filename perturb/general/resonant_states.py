@@ -113,7 +113,7 @@ class GeneralStates(ResonantStates):
 def first_order_theory(expansion: GeneralExpansion, resonance: Resonance, multiples: set[int]) -> GeneralStates:
     """Return the theory of one resonance to first order."""
     equations = expansion.equations(resonance.centre, 1)
-    matrix = _among(equations, equations.states(resonance), resonance.centre, 1)
+    matrix = effective_matrix_of(equations, equations.states(resonance), resonance.centre, 1)
     C_p, C_q, L = first_order_pair(matrix)
     eps_max = float(expansion_range(equations, resonance.p, resonance.q))
     pair = ResonantPair(resonance.type, L, C_p, C_q, matrix.detuning_of_pair, eps_max)
@@ -160,14 +160,14 @@ def general_matrix(equations: GeneralEquations, resonance: Resonance, order: int
             bridged = 2 * (reach if np.isfinite(reach) else 0.0) * float(equations.strongest[nu])
         if apart <= max(bridged, EQUAL_FREQUENCY * resonance.centre):
             states.append((nu, h))
-    matrix = _among(equations, states, resonance.centre, order)
+    matrix = effective_matrix_of(equations, states, resonance.centre, order)
     linked = np.sum(list(matrix.sizes.values()), axis=0) > 0 if matrix.sizes else np.zeros((2, 2))
     _, component = connected_components(linked, directed=False)
     # a pair that nothing links with each other is left alone
-    return matrix if component[0] == component[1] else _among(equations, pair, resonance.centre, order)
+    return matrix if component[0] == component[1] else effective_matrix_of(equations, pair, resonance.centre, order)
 
 
-def _among(equations: GeneralEquations, states: list[State], centre: float, order: int) -> EffectiveMatrix:
+def effective_matrix_of(equations: GeneralEquations, states: list[State], centre: float, order: int) -> EffectiveMatrix:
     """Return the effective matrix of ``states``."""
     nu, h = np.array(states).T
     D = equations.eigenvalues[nu] - 1j * h * centre
