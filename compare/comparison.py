@@ -235,7 +235,7 @@ class _Comparison:
         if not predicted.any() and not np.isfinite(self.curve.tip) and np.isnan(analytic).any():
             return self._closed(eps, traced, found)
         if not predicted.any() and not found.any():
-            return self._nothing_open(top)
+            return self._nothing_open(float(eps[-1]))
         both = predicted & found if predicted.any() else found
         if both[:MIN_RUNGS].all():
             length = int(np.argmin(both)) if not both.all() else both.size
@@ -254,23 +254,27 @@ class _Comparison:
     def _nothing_open(self, top: float) -> _Weighed:
         tip = self.curve.tip
         if 0 < tip < np.inf:
-            reason = f"closed by damping up to eps = {top:.4g}, where the ladder ends; theory lets it open at {tip:.4g}"
+            reason = f"closed by damping on the rungs up to eps = {top:.4g}; theory lets it open at {tip:.4g}"
             return _Weighed(True, Outcome.NOT_COMPARED, Basis.DAMPED, reason)
-        reason = f"without width by theory up to eps = {top:.4g}, and {self._none_found()}"
-        return _Weighed(True, Outcome.AGREES, Basis.CLOSED, reason)
+        return self._none_found(f"without width by theory up to eps = {top:.4g}")
 
-    def _none_found(self) -> str:
-        """Return that integration finds nothing open, and whether it finds something else there."""
-        covered = [value for value, rung in self.rungs.items() if rung.covered]
-        beside = f" (their place lies in another region at eps = {_listed(sorted(covered))})" if covered else ""
-        return f"integration finds no instability of these modes{beside}"
+    def _none_found(self, theory: str) -> _Weighed:
+        """Return what it is worth that integration finds nothing open: nothing where the place is in another region."""
+        covered = sorted(value for value, rung in self.rungs.items() if rung.covered)
+        free = sorted(set(self.rungs) - set(covered))
+        beside = f"their place lies in another region at eps = {_listed(covered)}" if covered else ""
+        if len(free) < MIN_RUNGS:
+            reason = f"{theory}, but whether these modes are unstable cannot be seen: {beside}"
+            return _Weighed(True, Outcome.NOT_COMPARED, Basis.UNTRACED, reason)
+        found = f"integration finds no instability of these modes up to eps = {free[-1]:.4g}"
+        reason = f"{theory}, and {found}" + (f"; {beside}" if beside else "")
+        return _Weighed(True, Outcome.AGREES, Basis.CLOSED, reason)
 
     def _closed(self, eps: FloatArray, traced: FloatArray, found: NDArray[np.bool_]) -> _Weighed:
         """Return what there is to say of a region that theory closes at every eps."""
         order, width = self.theory.order, np.where(found, traced[1] - traced[0], 0.0)
         if not found.any():
-            reason = f"closed by theory at every eps, and {self._none_found()} up to eps = {max(self.rungs):.4g}"
-            return _Weighed(True, Outcome.AGREES, Basis.CLOSED, reason)
+            return self._none_found("closed by theory at every eps")
         if not found[:MIN_RUNGS].any():
             reason = (
                 f"closed to order {order}; integration finds it open from eps = {eps[np.argmax(found)]:.4g} on only"

@@ -75,7 +75,8 @@ def top_rung(tip: float, eps_max: float) -> float:
     if not np.isfinite(tip):
         return usual
     if MIN_TOP_OVER_TIP * tip > eps_max:
+        where = "beyond" if tip > eps_max else "too near to the end of"
         raise OutOfRangeError(
-            f"opens at eps = {tip:.4g}, beyond the range in which the theory is meant, eps up to {eps_max:.2g}"
+            f"opens at eps = {tip:.4g}, {where} the range in which the theory is meant, eps up to {eps_max:.4g}"
         )
     return max(usual, min(TOP_OVER_TIP * tip, eps_max))

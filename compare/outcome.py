@@ -89,6 +89,12 @@ class RegionAgreement:
         """Whether numbers were compared and are close; False also for what was not compared."""
         return self.outcome is Outcome.AGREES
 
+    @property
+    def limiting_ratio(self) -> float:
+        """Width by integration over width by theory at the smallest amplitude at which both are open; NaN if none."""
+        both = self.width_ratio[self.width_ratio > 0]
+        return float(both[0]) if both.size else float("nan")
+
     def to_dict(self) -> dict[str, Any]:
         """Return plain numbers and strings, NaN as None, fit for JSON."""
         return {name: _plain(value) for name, value in vars(self).items()} | {"agrees": self.agrees}

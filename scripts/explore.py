@@ -109,7 +109,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     what = parser.add_argument_group("what to explore (by default the standard plate)").add_mutually_exclusive_group()
     what.add_argument("--case", type=Path, metavar="FILE", help="a case file, as in cases/")
-    what.add_argument("--system", type=Path, metavar="FILE", help="your matrices: .npz, .mat or a folder of .mtx files")
+    what.add_argument(
+        "--system", type=Path, metavar="FILE", help="your system: .npz, .mat, a folder of .mtx files or a .py file"
+    )
     parser.add_argument("--variant", metavar="LABEL", help="one of a case that has several; the first if not given")
     window = parser.add_argument_group("where")
     window.add_argument("--Omega", type=float, nargs=2, metavar=("LOW", "HIGH"), help="excitation frequencies")

@@ -82,7 +82,7 @@ def _parser() -> argparse.ArgumentParser:
         action="append",
         default=[],
         metavar="FILE",
-        help="your matrices: .npz, .mat or a folder of .mtx files; repeatable",
+        help="your system: .npz, .mat, a folder of .mtx files or a .py file; repeatable",
     )
     system = parser.add_argument_group("for --system")
     system.add_argument("--Omega", type=float, nargs=2, metavar=("LOW", "HIGH"), help="excitation frequencies")
@@ -157,8 +157,7 @@ def _print(study: Study) -> None:
             print(f"  {variant.label}")
         print(f"  {'region':<12}{'centre':>10}  {'width ratio':>11}  {'outcome':<12}  because")
         for verdict in variant.verdicts:
-            ratios = verdict.width_ratio[verdict.width_ratio > 0]
-            ratio = f"{ratios[0]:.5f}" if ratios.size else "–"
+            ratio = f"{verdict.limiting_ratio:.5f}" if verdict.limiting_ratio > 0 else "–"
             outcome = verdict.outcome.value.upper() if verdict.outcome is Outcome.DISAGREES else verdict.outcome.value
             print(f"  {verdict.label:<12}{verdict.centre:>10.4f}  {ratio:>11}  {outcome:<12}  {verdict.reason}")
         print(f"  {variant.audit}")

@@ -199,5 +199,5 @@ def _meant(upper: str) -> str:
     """Return a guess at what a wrong name should be; nothing if it is like none."""
     usual = [f"{letter}{ending}" for letter in OF_LETTER for ending in ("", "1c", "1s", "2c", "2s", "0_1", "1c_2")]
     close = [name for name in usual if sorted(name.upper()) == sorted(upper)]  # the same letters in another order
-    close += [name for name in usual if name.upper() in get_close_matches(upper, map(str.upper, usual), n=1)]
+    close += sorted(n for n in usual if n.upper() in get_close_matches(upper, map(str.upper, usual), n=2, cutoff=0.75))
     return f" (did you mean {close[0]}?)" if close else ""

@@ -31,7 +31,8 @@ def run_python_file(path: Path) -> AnySystem:
     try:
         found = function()
     except (Exception, SystemExit) as error:
-        raise ValueError(f"{path}: {FUNCTION}() failed ({_what(error)}); its parameters need defaults") from error
+        hint = "; its parameters need defaults" if "missing" in str(error) and isinstance(error, TypeError) else ""
+        raise ValueError(f"{path}: {FUNCTION}() failed ({_what(error)}){hint}") from error
     if not isinstance(found, PeriodicSystem | FirstOrderSystem):
         raise ValueError(
             f"{path}: {FUNCTION}() returned {found!r}; let it return a periodic.PeriodicSystem or FirstOrderSystem"

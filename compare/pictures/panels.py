@@ -94,6 +94,8 @@ def region_panels(layers: Sequence[Layer], *, title: str = "") -> Picture:
             axes.set_title(f"({chr(ord('a') + index)})  {shown[0][0].label}", loc="left")
             axes.set_xlabel("Ω")
             axes.set_ylabel("ε")
+        for axes in figure.axes[len(regions) :]:
+            axes.set_axis_off()
         figure.suptitle(title, fontsize=11)
         if len(layers) == 1:
             figure.legend(handles=legend_handles(None, traced=True), loc="outside lower center", ncols=4)

@@ -101,7 +101,7 @@ class Region:
             if len(members) == 2:
                 raise OutOfReachError
             points = self._scan(eps, members, reach)
-            return self._intervals(eps, points) if points else self._closed(eps)
+            return self._intervals(eps, points, reach) if points else self._closed(eps)
         except OutOfReachError:
             return Found(Kind.UNDECIDED, [], np.nan)
 
@@ -143,8 +143,11 @@ class Region:
         rate = growth * self.resonance.centre / (2 * np.pi)
         return Found(Kind.UNDECIDED if growth > 0 else Kind.STABLE, [], rate)
 
-    def _intervals(self, eps: float, points: list[Point]) -> Found:
-        """Return the intervals that some points lie in."""
+    def _intervals(self, eps: float, points: list[Point], reach: float = 0.0) -> Found:
+        """Return the intervals that some points lie in.
+
+        Nearer to the centre than ``reach`` the pairs of a crowd may take over from each other: no other region does.
+        """
         best = max(points, key=lambda point: abs(point.own))
         closed = Found(best.kind if self.is_window else Kind.STABLE, [], best.growth_rate)
         width = 2 * np.sqrt(abs(best.own)) / (np.pi * self.resonance.j)
@@ -156,7 +159,7 @@ class Region:
         found: list[tuple[Edge, Edge]] = []
         for point in points:
             if not found or point.Omega > found[-1][1].Omega:
-                lower, upper = walk.edge(point, -1), walk.edge(point, 1)
+                lower, upper = (self._own_edge(walk.edge(point, side), reach) for side in (-1, 1))
                 if not upper.Omega - lower.Omega < MIN_OPEN_WIDTH * point.Omega:  # NaN where there is no edge
                     found.append((lower, upper))
                 if np.isnan(upper.Omega):
@@ -164,3 +167,7 @@ class Region:
         if not found:
             return closed
         return Found(Kind.STABLE if self.is_window else best.kind, found, best.growth_rate)
+
+    def _own_edge(self, edge: Edge, reach: float) -> Edge:
+        met_its_own = abs(edge.meeting - self.resonance.centre) <= reach
+        return edge._replace(meeting=np.nan) if met_its_own and np.isfinite(edge.Omega) else edge

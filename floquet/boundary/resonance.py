@@ -201,7 +201,7 @@ def nearest_resonance(
         first = ", ".join(f"{f:.6g}" for f in frequencies[:4]) or "none"
         raise NoResonanceError(
             f"near = {near!r} is not within {MAX_GUESS_DISTANCE:.0%} of any {named} with j {which}{chosen}; "
-            f"the natural frequencies are {first}{', ...' if len(frequencies) > 4 else ''}"
+            f"the natural frequencies, damping included, are {first}{', ...' if len(frequencies) > 4 else ''}"
         )
 
     def score(one: Resonance) -> float:

@@ -170,7 +170,7 @@ def test_a_difference_is_not_taken_for_a_sum_close_by() -> None:
     """High modes of a damped plate: their differences lie among wide regions of low ones, and are closed."""
     plate = MovingPlate(aspect_ratio=2.5, speed=1.6, tension=11.0, damping=1e-4, axial_terms=8, lateral_terms=3)
     found = agreement(plate, (12.5, 14.0), types=("difference",))
-    assert sum(region.agrees for region in found) >= 2
+    assert sum(region.eps.size > 0 for region in found) >= 2
     assert not any(region.outcome is Outcome.DISAGREES for region in found), [
         (region.label, region.reason) for region in found
     ]
@@ -193,7 +193,7 @@ def test_the_ladder_reaches_beyond_the_tip_or_says_so(damping: float, outcome: s
 def test_a_ladder_that_is_given_ends_below_the_tip() -> None:
     (verdict,) = agreement(mathieu(damping=0.2), (1.5, 2.5), (0.1, 0.2, 0.3))
     assert (verdict.outcome, verdict.basis) == (Outcome.NOT_COMPARED, Basis.DAMPED)
-    assert "closed by damping up to eps = 0.3" in verdict.reason
+    assert "closed by damping on the rungs up to eps = 0.3" in verdict.reason
 
 
 def test_close_to_a_tip_theory_is_not_blamed() -> None:

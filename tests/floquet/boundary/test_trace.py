@@ -249,7 +249,10 @@ def test_no_excitation_no_region() -> None:
         ({"near": 0.0}, "near = 0.0 is out of range"),
         ({"near": math.nan}, "near = nan"),
         ({"near": "2"}, "near = '2' is not a number"),
-        ({"near": 2.5}, r"near = 2.5 is not within 5% of any \(omega_p ± omega_q\) / j .* natural frequencies are 1$"),
+        (
+            {"near": 2.5},
+            r"near = 2.5 is not within 5% of any \(omega_p ± omega_q\) / j .* damping included, are 1$",
+        ),
         ({"eps": []}, "eps is empty"),
         ({"eps": [0.1, -0.1]}, "eps has the entry -0.1"),
         ({"eps": [0.1, math.nan]}, "eps has the entry nan"),
@@ -270,5 +273,5 @@ def test_bad_arguments(arguments: dict[str, Any], message: str) -> None:
 
 
 def test_system_that_does_not_oscillate() -> None:
-    with pytest.raises(ValueError, match="natural frequencies are none"):
+    with pytest.raises(ValueError, match="natural frequencies, damping included, are none"):
         trace_boundary(mathieu(-1.0), 2.0, 0.1)
