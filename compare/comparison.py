@@ -12,14 +12,13 @@ from numpy.typing import ArrayLike, NDArray
 from compare.ladder import (
     MAX_EXTENSIONS,
     MIN_TOP_OVER_TIP,
-    MORE_RUNGS,
     RUNGS,
     DampingScaled,
     OutOfRangeError,
     rungs_below,
     top_rung,
 )
-from compare.orders import MAX_REMAINDER, fitted_order, noise, vanishes
+from compare.orders import MAX_REMAINDER, fitted_order, noise, still_falls, vanishes
 from compare.outcome import Basis, Outcome, RegionAgreement
 from floquet import BoundaryTrace, Kind, trace_boundary
 from floquet.boundary import NoResonanceError, natural_modes
@@ -28,7 +27,7 @@ from periodic.checks import FloatArray
 from perturb import TransitionCurve, transition_curves
 
 # Distance below which two edges are one, as part of the frequency: ten times what tracing resolves.
-MIN_RESOLVED_GAP = 1e-8
+MIN_RESOLVED_GAP = 1e-9
 # Distance of the fitted order from the expected one within which the two are called the same.
 ORDER_TOLERANCE = 0.15
 # Fewest rungs on which a gap shows where it goes as eps -> 0.
@@ -172,11 +171,11 @@ class _Comparison:
                 if value not in self.rungs:
                     self.rungs[value] = self._rung(value, top)
             weighed = self._weigh(top)
-            more = np.concatenate([rungs_below(eps[0] / 2, MORE_RUNGS), eps])
+            more = np.concatenate([rungs_below(eps[0] / 2, 1), eps])
             if weighed.settled or extension == MAX_EXTENSIONS or not self._resolves(more):
                 break
             eps = more
-        if weighed.outcome is Outcome.DISAGREES:
+        if weighed.outcome is Outcome.DISAGREES or weighed.basis is Basis.UNSETTLED:
             together = self._together(float(eps[0]))
             if together:
                 return _Weighed(True, Outcome.NOT_COMPARED, Basis.COINCIDENT, together)
@@ -296,9 +295,12 @@ class _Comparison:
             return _Weighed(True, Outcome.AGREES, Basis.EDGES, "no gap at all that tracing could resolve")
         fitted = [fitted_order(eps, edge) for edge in gap]
         orders = " and ".join("(none)" if np.isnan(m) else f"{m:.2f}" for m in fitted)
-        vanishing = all(vanishes(eps, edge, order, self.resolution) for edge in traced - analytic)
-        if not vanishing:
+        left = [edge for edge in traced - analytic if not vanishes(eps, edge, order, self.resolution)]
+        if left:
             reason = f"gap of order {orders} in eps where {wanted} is expected"
+            if all(still_falls(eps, edge, order) for edge in left):
+                reason = f"{reason}, but over eps^{order} it still falls on the smallest eps"
+                return _Weighed(False, Outcome.NOT_COMPARED, Basis.UNSETTLED, reason)
             return _Weighed(False, Outcome.DISAGREES, Basis.EDGES, reason)
         if all(abs(m - wanted) <= ORDER_TOLERANCE for m in fitted):
             return _Weighed(True, Outcome.AGREES, Basis.EDGES, f"gap of order {orders} in eps (expected {wanted})")

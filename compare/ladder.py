@@ -20,9 +20,9 @@ TOP_OVER_MAX = 1 / 3
 # The top rung over the tip of a damped region. Nearer to the tip the edges turn so sharply that a small error of theory
 # moves them far.
 TOP_OVER_TIP, MIN_TOP_OVER_TIP = 1.5, 1.1
-# Rungs of a ladder at first, each half of the next; rungs added at a time below, and how often, where the gap has not
-# come to its limit yet.
-RUNGS, MORE_RUNGS, MAX_EXTENSIONS = 4, 2, 4
+# Rungs of a ladder at first, each half of the next, and how many are added below, one at a time, as long as the gap has
+# not come to its limit.
+RUNGS, MAX_EXTENSIONS = 4, 8
 
 
 @dataclass(frozen=True, eq=False)

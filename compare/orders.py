@@ -9,6 +9,9 @@ from periodic.checks import FloatArray
 # Largest value at eps = 0 of a gap over eps^order, as part of its largest value on the ladder: the error of the
 # polynomial through the rungs.
 MAX_REMAINDER = 0.02
+# Part of its value one rung further up to which a gap over eps^order falls on the lowest rung, if it goes to zero with
+# eps. Of what goes to a value that is not zero, more is left there.
+MAX_PART_LEFT = 0.85
 
 
 def fitted_order(eps: FloatArray, gap: FloatArray) -> float:
@@ -36,6 +39,16 @@ def vanishes(eps: FloatArray, difference: FloatArray, order: int, resolution: fl
         return False
     allowed = MAX_REMAINDER * np.abs(quotient).max() + noise(eps, order, resolution)
     return bool(abs(_at_zero(eps) @ quotient) <= allowed)
+
+
+def still_falls(eps: FloatArray, difference: FloatArray, order: int) -> bool:
+    """Return whether a difference over eps^order falls from rung to rung, so that these do not say where it goes.
+
+    Where three states act on each other over gaps that are not large against their coupling, the series in eps starts
+    far below the rungs, and no polynomial through these tells its limit.
+    """
+    size = np.abs(difference / eps**order)
+    return bool(size[0] < MAX_PART_LEFT * size[1])
 
 
 def noise(eps: FloatArray, order: int, resolution: float) -> float:

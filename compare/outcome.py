@@ -27,6 +27,7 @@ class Basis(StrEnum):
     UNCOUPLED = "kept apart by symmetry"
     DAMPED = "closed by damping wherever the theory is meant"
     COINCIDENT = "in resonance together with others"
+    UNSETTLED = "not near enough to eps = 0 for a limit"
     UNTRACED = "not to be traced"
 
 

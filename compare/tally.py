@@ -16,6 +16,7 @@ REASONS = {
     Basis.UNCOUPLED: "uncoupled by symmetry or not excited",
     Basis.DAMPED: "closed by damping wherever the theory is meant",
     Basis.COINCIDENT: "in resonance together with others",
+    Basis.UNSETTLED: "without a limit on the smallest eps",
     Basis.UNTRACED: "not to be traced",
 }
 

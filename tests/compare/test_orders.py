@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from compare.orders import fitted_order, vanishes
+from compare.orders import fitted_order, still_falls, vanishes
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])
@@ -30,3 +30,12 @@ def test_fitted_order_is_that_of_the_leading_term(order: int) -> None:
 def test_a_signed_gap_has_no_first_order_left(a: tuple[float, ...], agrees: bool) -> None:
     eps = np.array([0.0125, 0.025, 0.05, 0.1])
     assert vanishes(eps, np.polynomial.Polynomial(a)(eps), 1, 1e-12) is agrees
+
+
+@pytest.mark.parametrize(
+    ("a", "falls"),
+    [((0.0, 0.0, 1.0, 1.0), True), ((0.0, 0.1, 0.1, 0.0), False), ((1e-3, 0.0, 1.0, 0.0), False)],
+)
+def test_what_has_a_limit_does_not_fall_any_more(a: tuple[float, ...], falls: bool) -> None:
+    eps = np.array([0.0125, 0.025, 0.05, 0.1])
+    assert still_falls(eps, np.polynomial.Polynomial(a)(eps), 1) is falls
