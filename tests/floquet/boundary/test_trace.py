@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,8 @@ from hypothesis import strategies as st
 from floquet import BoundaryTrace, Kind, monodromy, trace_boundary
 from periodic import PeriodicSystem
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu
-from plate import MovingPlate
+from plate import EdgeLoad, MovingPlate
+from plate.distribution import Distribution
 from tests.floquet.oracle_systems import dop853, random_system
 
 
@@ -275,3 +277,28 @@ def test_bad_arguments(arguments: dict[str, Any], message: str) -> None:
 def test_system_that_does_not_oscillate() -> None:
     with pytest.raises(ValueError, match="natural frequencies, damping included, are none"):
         trace_boundary(mathieu(-1.0), 2.0, 0.1)
+
+
+def test_a_question_is_answered_near_its_frequency() -> None:
+    """A plate near its critical speed, unstable at this eps from 0.5 to 36: no search gets lost down at 0.002."""
+    load = EdgeLoad.partial(0.5).with_waveform({1: (1, 0), 2: (0.3, Distribution.from_samples([0, 1], [-1, 1]))})
+    still = MovingPlate(
+        speed=0.0,
+        aspect_ratio=3,
+        tension=50,
+        damping=1e-5,
+        inplane="dynamic",
+        load=load,
+        axial_terms=3,
+        lateral_terms=4,
+    )
+    plate = replace(still, speed=0.97 * still.critical_speed())
+    trace = trace_boundary(plate, 3.61, [0.6])
+    assert trace.resonance.centre == pytest.approx(3.606, abs=1e-3)
+    assert trace.kind[0] > Kind.STABLE
+    assert len(trace.intervals[0]) == 1
+    assert np.isnan(trace.intervals[0]).all()
+    for Omega in (2.5, 7.2):
+        assert np.abs(np.linalg.eigvals(dop853(plate.at(Omega), Omega, 0.6))).max() > 2
+    with pytest.raises(ValueError, match=r"eps has the entry 5.0"):
+        trace_boundary(plate, 3.61, [5.0])

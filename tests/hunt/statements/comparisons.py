@@ -28,7 +28,7 @@ def ask(random: np.random.Generator, system: PeriodicSystem) -> tuple[str, list[
     if not omega.size:
         return "nothing oscillates", []
     middle = 2 * omega[random.integers(min(3, len(omega)))]
-    low, high = float(middle * random.uniform(0.7, 0.95)), float(middle * random.uniform(1.05, 1.3))
+    low, high = float(middle * random.uniform(0.88, 0.97)), float(middle * random.uniform(1.03, 1.12))
     order = int(random.choice([1, 1, 2]))
     asked = f"agreement(system, ({low!r}, {high!r}), order={order}, modes=4)"
     verdicts = agreement(system, (low, high), order=order, modes=4, n_jobs=1)
