@@ -85,6 +85,7 @@ def test_bits_are_respected(certify: Run) -> None:
 FIG2 = str(ROOT / "cases" / "fig2.toml")
 
 
+@pytest.mark.slow
 def test_plate_of_a_case_is_the_one_that_is_proved(certify: Run) -> None:
     """Growth by `monodromy`; cut to 2 x 3 terms the plate has its region elsewhere and is stable here."""
     status, output, _ = certify("--case", FIG2, "--at", "71.3,0.3")

@@ -279,6 +279,7 @@ def test_system_that_does_not_oscillate() -> None:
         trace_boundary(mathieu(-1.0), 2.0, 0.1)
 
 
+@pytest.mark.slow
 def test_a_question_is_answered_near_its_frequency() -> None:
     """A plate near its critical speed, unstable at this eps from 0.5 to 36: no search gets lost down at 0.002."""
     load = EdgeLoad.partial(0.5).with_waveform({1: (1, 0), 2: (0.3, Distribution.from_samples([0, 1], [-1, 1]))})
