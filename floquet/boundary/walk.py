@@ -26,6 +26,8 @@ FIRST_STEP, STEP_GROWTH, MAX_STEP = 1.2, 1.6, 0.125
 SLOPE_DISTANCE = 0.05
 # The first step of another region's pair, which turns fast at first, as part of the way to the meeting.
 STEP_BEYOND_MEETING = 0.01
+# Steps, as part of Omega, in which the end of instability is looked for where pairs turn too fast to be followed.
+BLIND_STEP = 2e-3
 # Most steps to an edge, halvings included; three are usual, and twenty where a region has merged with the next.
 MAX_EDGE_STEPS = 200
 
@@ -108,6 +110,20 @@ class Walk:
             if isinstance(b, Unreachable):
                 break
             a, b = b if self.is_window else judge(b.found, growing(b.found)), None
+        else:
+            return self._end_of_growth(a, side, meeting)
+        return Edge(meeting=meeting)
+
+    def _end_of_growth(self, a: Point, side: int, meeting: float) -> Edge:
+        """Return the first edge in steps of `BLIND_STEP` where no pair can be followed from a point inside."""
+        while MIN_SEARCH_FACTOR < a.Omega / self.centre < MAX_SEARCH_FACTOR:
+            b = self._point(a.Omega * (1 + side * BLIND_STEP), a.reference)
+            if not self._is_inside(b):
+                zero, points = self._zero(a, b)
+                return Edge(zero, self._edge_error(points, zero), meeting)
+            if isinstance(b, Unreachable):
+                break
+            a = b if self.is_window else judge(b.found, growing(b.found))
         return Edge(meeting=meeting)
 
     def _next_step(self, a: Point, b: Point) -> float:

@@ -45,6 +45,13 @@ def test_a_hundred_statements() -> None:
     assert tally.checked >= FEW
 
 
+@pytest.mark.parametrize("seed", [51012, 51080])
+def test_a_region_whose_pairs_turn_too_fast_to_be_followed_has_its_edges(seed: int) -> None:
+    statements = case(seed).statements
+    assert statements
+    assert [one.sentence for one in statements if one.judged is Judged.WRONG] == []
+
+
 @pytest.mark.slow
 def test_ten_thousand_statements(tabulate: Callable[..., None]) -> None:
     tally = hunted(10_000, MANY)
