@@ -239,6 +239,9 @@ class _Comparison:
         if both[:MIN_RUNGS].all():
             length = int(np.argmin(both)) if not both.all() else both.size
             return self._edges(eps[:length], analytic[:, :length], traced[:, :length])
+        if (predicted == found).all():
+            reason = f"open at fewer than {MIN_RUNGS} of the smallest amplitudes, by theory and by integration"
+            return _Weighed(False, Outcome.NOT_COMPARED, Basis.UNTRACED, reason)
         side = "theory" if (predicted & ~found).any() else "integration"
         where = _listed(eps[predicted != found])
         return _Weighed(False, Outcome.DISAGREES, Basis.EDGES, f"only {side} finds it open at eps = {where}")

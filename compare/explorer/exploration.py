@@ -24,6 +24,8 @@ from perturb import TransitionCurve, transition_curves
 
 # How far beside the window, in parts of its width, a region may start that leans into it.
 LEANING_PART = 0.25
+# What is said where theory has nothing to draw.
+NO_RESONANCE = "There are no analytic curves: no resonance starts in the window or beside it"
 # What is said of a system that the tracing of regions does not take.
 UNTRACED = "The regions are not traced: that takes systems of which the stiffness alone depends on time, in harmonics."
 # Amplitudes at which a curve is tested for being open in the window.
@@ -175,6 +177,8 @@ def analytic_curves(
         curves = transition_curves(cast(SystemFamily, family), (max(low - beside, 0.0), high + beside), order=order)
     except ValueError as error:  # the window has been checked: the theory refuses the system
         return [], f"The analytic curves are left out: {error}." + _without_stiffness(family.at(low))
+    if not curves:
+        return [], f"{NO_RESONANCE}.{_without_stiffness(family.at(low))}"
     return [curve for curve in curves if _enters(curve, window, eps_max)], ""
 
 
