@@ -22,7 +22,7 @@ from periodic import (
     stiffness_alone,
     waveforms,
 )
-from perturb import gyroscopic_modes, transition_curves
+from perturb import gyroscopic_modes
 
 X = np.array([[1.0, 0.3], [0.3, -0.5]])
 SKEW = np.array([[0.0, 1.0], [-1.0, 0.0]])
@@ -164,7 +164,6 @@ def test_methods_for_stiffness_alone_refuse_everything_else(made: Any) -> None:
         lambda: member_at(made, 1.0),
         lambda: trace_boundary(made, near=2.0, eps=[0.1]),
         lambda: trace_regions(made, (1.0, 2.0), (0.0, 0.1), progress=False),
-        lambda: transition_curves(made, (1.0, 5.0)),
         lambda: elastic_part(made, 1.0),
         lambda: DampingScaled(made, 0.5).at(1.0),
         lambda: reduce_system(made, 0.1, 1.0),

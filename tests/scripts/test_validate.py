@@ -154,7 +154,6 @@ def test_a_system_that_theory_gets_wrong_is_status_one(tmp_path: Path, monkeypat
     [
         (["--system", "nowhere.npz"], "nowhere.npz: cannot be read"),
         (["--system", "trap.npz"], "trap.npz: there is no theory to compare with, because of K (stiffness)"),
-        (["--system", "growing.npz"], "growing.npz: there is no theory to compare with, because of C (damping)"),
         (["--system", "bare.npz"], "bare.npz: there is no excitation"),
         (["--system", "one.npz", "--Omega", "7", "8"], "one.npz: none of the regions"),
         (["--system", "one.npz", "--Omega", "8", "7"], "is empty"),
@@ -178,7 +177,6 @@ def test_wrong_systems_are_one_sentence_and_write_nothing(
     monkeypatch.chdir(tmp_path)
     save_system("one.npz", mathieu())
     save_system("trap.npz", mathieu(-0.3))
-    np.savez("growing.npz", M=[[1.0]], C=[[-0.1]], K=[[1.0]], F1c=[[1.0]])
     np.savez("bare.npz", M=[[1.0]], K=[[1.0]])
     assert main([*arguments, "--no-progress"]) == 2
     error = capsys.readouterr().err
