@@ -37,7 +37,16 @@ ValueError: damping = -1.0 is out of range; give a number >= 0
 """
 
 from periodic import waveforms
-from periodic.family import AnyFamily, AnySystem, SystemFamily, any_member_at, member_at, stiffness_alone
+from periodic.family import (
+    AnyFamily,
+    AnySystem,
+    SystemFamily,
+    any_member_at,
+    excitation,
+    has_stiffness_alone,
+    member_at,
+    stiffness_alone,
+)
 from periodic.first_order import FirstOrderSystem
 from periodic.massless import Condensed, without_massless
 from periodic.solid import StandardLinearSolid
@@ -56,6 +65,8 @@ __all__ = [
     "Term",
     "any_member_at",
     "check_mass",
+    "excitation",
+    "has_stiffness_alone",
     "member_at",
     "stiffness_alone",
     "waveforms",

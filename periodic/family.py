@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from collections.abc import Iterator
+from typing import Any, Protocol, TypeGuard
 
+from periodic import waveforms
+from periodic.checks import FloatArray
 from periodic.first_order import FirstOrderSystem
 from periodic.system import PeriodicSystem
 
@@ -107,3 +110,20 @@ def stiffness_alone(system: Any, name: str = "system") -> PeriodicSystem:
             "monodromy, stability_chart and transition_curves take any linear periodic system"
         )
     return system
+
+
+def has_stiffness_alone(system: AnySystem) -> TypeGuard[PeriodicSystem]:
+    """Return whether only the stiffness depends on time, in the short form of eq. (11); `stiffness_alone` refuses."""
+    return isinstance(system, PeriodicSystem) and not system.terms
+
+
+def excitation(system: AnySystem) -> Iterator[tuple[str, waveforms.Waveform, FloatArray, int]]:
+    """Yield everything that depends on eps, the short form included: of which matrix, waveform, matrix, power."""
+    of = "state" if isinstance(system, FirstOrderSystem) else "stiffness"
+    for j, (c, s) in enumerate(zip(system.cosine, system.sine, strict=True), start=1):
+        if c.any():
+            yield of, waveforms.cosine(j), c, 1
+        if s.any():
+            yield of, waveforms.sine(j), s, 1
+    for term in system.terms:
+        yield term.of, term.waveform, term.matrix, term.power

@@ -141,13 +141,8 @@ def _one_sided(system: PeriodicSystem, phase: float, inside: float, eps: float) 
         g = term.waveform
         if term.of not in found:
             continue
-        if isinstance(g, waveforms.Piecewise):
-            piece, x, slope = g.piece_at(2 * np.pi * inside)
-            value = float(np.polynomial.Polynomial(piece)(x + slope * 2 * np.pi * (phase - inside)))
-        else:
-            assert isinstance(g, waveforms.Trigonometric)  # pulses of M and G have been refused
-            value = float(g.values(2 * np.pi * phase))
-        found[term.of] += value * eps**term.power * term.matrix
+        assert not isinstance(g, waveforms.Impulses)  # pulses of M and G have been refused
+        found[term.of] += g.value_beside(phase, inside) * eps**term.power * term.matrix
     return found["mass"], found["gyroscopic"]
 
 

@@ -55,6 +55,10 @@ class Trigonometric:
         turned = np.multiply.outer(np.asarray(theta, dtype=float), np.arange(len(self.cosines)))
         return np.asarray(np.cos(turned) @ np.array(self.cosines) + np.sin(turned) @ np.array(self.sines))
 
+    def value_beside(self, phase: float, inside: float) -> float:
+        """Return g at ``phase``, a part of a period, by the formula that holds at the phase ``inside``."""
+        return float(self.values(2 * np.pi * phase))
+
     def derivative(self, theta: ArrayLike) -> FloatArray:
         """Return dg/dtheta at the phases ``theta``, in radians."""
         j = np.arange(len(self.cosines))
@@ -112,6 +116,11 @@ class Piecewise:
     def derivative(self, theta: ArrayLike) -> FloatArray:
         """Return dg/dtheta at the phases ``theta``, in radians; at a jump the value after it."""
         return self._evaluate(theta, 1)
+
+    def value_beside(self, phase: float, inside: float) -> float:
+        """Return g at ``phase``, a part of a period, by the formula that holds at the phase ``inside``."""
+        piece, x, slope = self.piece_at(2 * np.pi * inside)
+        return float(np.polynomial.polynomial.polyval(x + slope * 2 * np.pi * (phase - inside), np.array(piece)))
 
     def piece_at(self, theta: float) -> tuple[tuple[float, ...], float, float]:
         """Return the coefficients of the piece at ``theta``, the x of ``theta`` in it, and dx/dtheta."""

@@ -149,6 +149,10 @@ class ResonantStates:
             return np.full(eps.shape, np.nan), np.full(eps.shape, np.nan)
         if self.order == 1:
             return self.first.edges(eps)
+        return self._edges_of_pair(eps)
+
+    def _edges_of_pair(self, eps: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the edges of two states, whose equations may change with Omega."""
         low, high = np.zeros(eps.shape), np.zeros(eps.shape)
         drifts = any(drift for _, drift in self.matrix.coefficients)
         for _ in range(DRIFT_REPETITIONS if drifts else 1):
@@ -160,6 +164,9 @@ class ResonantStates:
             return np.linalg.eigvals(self.matrix.at(x, eps)).real.max(axis=-1)
         if self.order == 1:
             return self.first.growth(x, eps)
+        return self._growth_of_pair(x, eps)
+
+    def _growth_of_pair(self, x: FloatArray, eps: FloatArray) -> FloatArray:
         C_p, C_q, L, shift = self._alone(x, eps)
         return pair_growth(C_p, C_q, L, self.matrix.detuning_of_pair(x) - shift)
 

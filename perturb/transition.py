@@ -8,7 +8,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from periodic import AnyFamily, AnySystem, PeriodicSystem, SystemFamily, any_member_at, member_at
+from periodic import AnyFamily, AnySystem, PeriodicSystem, SystemFamily, any_member_at, has_stiffness_alone, member_at
 from periodic.checks import (
     ComplexArray,
     FloatArray,
@@ -97,7 +97,8 @@ def transition_curves(
     low, high = interval("Omega_range", Omega_range, nonnegative=True)
     order = whole_number("order", order, least=1, most=2)
     types = _checked_types(types)
-    if not all(_is_of_eq_11(any_member_at(family, at, "family")) for at in (high, 0.5 * (low + high), low)):
+    members = [any_member_at(family, at, "family") for at in (high, 0.5 * (low + high), low)]
+    if not all(_is_of_eq_11(member) for member in {id(member): member for member in members}.values()):
         if vanishing_damping is not None:
             raise ValueError("vanishing_damping is for undamped systems of the form of eq. (11); leave it out")
         return general_transition_curves(family, (low, high), order, types)
@@ -106,12 +107,13 @@ def transition_curves(
 
 def _is_of_eq_11(system: AnySystem) -> bool:
     """Whether only the stiffness depends on time, and the undamped modes of eqs. (14)-(16) exist and none is fed."""
-    if not isinstance(system, PeriodicSystem) or system.terms:
+    if not has_stiffness_alone(system):
         return False
     K = system.stiffness
     if np.abs(K - K.T).max() > SYMMETRY_TOLERANCE * np.abs(K).max() or not is_positive_definite(0.5 * (K + K.T)):
         return False
-    return is_positive_definite(system.damping) or bool((gyroscopic_modes(system).decay >= 0).all())
+    C = system.damping
+    return not C.any() or is_positive_definite(C) or bool((gyroscopic_modes(system).decay >= 0).all())
 
 
 def _paper_curves(

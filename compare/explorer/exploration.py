@@ -18,7 +18,7 @@ from compare.window import RIGID_FREQUENCY
 from floquet import Region, StabilityChart, stability_chart, trace_regions
 from floquet.chart import TileStore
 from floquet.regions import largest_width
-from periodic import AnyFamily, AnySystem, PeriodicSystem, SystemFamily
+from periodic import AnyFamily, AnySystem, PeriodicSystem, SystemFamily, has_stiffness_alone
 from periodic.checks import interval, one_of, real_number, whole_number
 from perturb import TransitionCurve, transition_curves
 
@@ -161,7 +161,7 @@ def explore(
     Omega, eps = np.linspace(*window, columns), np.linspace(0, eps_max, rows)
     chart = stability_chart(family, Omega, eps, n_jobs=n_jobs, progress=progress, cache=cache)
     bounds = window, (0.0, eps_max)
-    if trace and not _has_periodic_stiffness_alone(family, window[0]):
+    if trace and not has_stiffness_alone(family.at(window[0])):
         trace, remark = False, " ".join(filter(None, (remark, UNTRACED)))
     regions = trace_regions(cast(SystemFamily, family), *bounds, n_jobs=n_jobs, progress=progress) if trace else []
     return Exploration(title, chart, curves, regions, order, remark, trace)
@@ -180,11 +180,6 @@ def analytic_curves(
     if not curves:
         return [], f"{NO_RESONANCE}.{_without_stiffness(family.at(low))}"
     return [curve for curve in curves if _enters(curve, window, eps_max)], ""
-
-
-def _has_periodic_stiffness_alone(family: AnyFamily, Omega: float) -> bool:
-    member = family.at(Omega)
-    return isinstance(member, PeriodicSystem) and not member.terms
 
 
 def _without_stiffness(system: AnySystem) -> str:

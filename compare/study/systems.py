@@ -12,7 +12,7 @@ from compare.rigid import elastic_part
 from compare.study.study import Subject
 from compare.study.truncation import lowest_modes
 from compare.window import MODES_SHOWN, default_window
-from periodic import AnySystem, FirstOrderSystem, PeriodicSystem, stiffness_alone
+from periodic import AnySystem, PeriodicSystem, has_stiffness_alone, stiffness_alone
 from periodic.checks import interval, real_number, whole_number
 from periodic.system import SYMMETRY_TOLERANCE
 from perturb import gyroscopic_modes, transition_curves
@@ -78,7 +78,7 @@ def own_system(
     low, high = interval("Omega_range", window, nonnegative=True)
     window = real_number("Omega_range[0]", low, positive=True), high
     eps = real_number("eps_max", eps, positive=True)
-    if isinstance(system, FirstOrderSystem) or system.terms:
+    if not has_stiffness_alone(system):
         return OwnSystem(path, system, window, eps, "")
     elastic, rigid = elastic_part(system, high)
     system = elastic.at(high)

@@ -13,12 +13,12 @@ from floquet.engine.doubling import INTERPOLATION_TOLERANCE, Workspace
 from floquet.engine.eigen import UNIT_ROUNDOFF
 from floquet.engine.krein import held_apart
 from floquet.engine.multipliers import dominant, select, spectra
-from floquet.engine.parts import AnySubsystem, is_short, parts_of, sampler_of
+from floquet.engine.parts import AnySubsystem, parts_of, sampler_of
 from floquet.engine.stability import SMALLEST_NORMAL, DominantMultiplier, Stability, combine, judge
 from floquet.engine.steps import ORDER, fastest, log2_steps, measured_amplitudes, step_errors
 from floquet.kind import Kind
 from floquet.running import single_blas_thread
-from periodic import AnySystem
+from periodic import AnySystem, has_stiffness_alone
 from periodic.checks import ComplexArray, FloatArray
 
 # Relative distance of the frequencies of columns that share a measurement of the error.
@@ -50,7 +50,7 @@ def chart_batch(systems: Sequence[AnySystem], Omega: FloatArray, eps: FloatArray
     work, parts, done = Workspace(), [], 0
     with single_blas_thread():
         # columns of one system share what is known of their errors, and so do all those of general systems
-        for _, same in groupby(systems, key=lambda system: system if is_short(system) else None):
+        for _, same in groupby(systems, key=lambda system: system if has_stiffness_alone(system) else None):
             members = list(same)
             here = Omega[done : done + len(members)]
             split = [parts_of(member, float(w), eps) for member, w in zip(members, here, strict=True)]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TypeGuard
-
 from floquet.engine.coordinates import Subsystem, subsystems
 from floquet.engine.coordinates import rigid_motions as rigid_motions_of_stiffness
 from floquet.engine.doubling import Sampler, Workspace
@@ -14,7 +12,7 @@ from floquet.engine.general import (
     general_subsystems,
     refuse_singular_mass,
 )
-from periodic import AnySystem, PeriodicSystem
+from periodic import AnySystem, PeriodicSystem, has_stiffness_alone
 from periodic.checks import FloatArray
 
 AnySubsystem = Subsystem | GeneralSubsystem
@@ -29,7 +27,7 @@ def parts_of(system: AnySystem, Omega: float, eps: FloatArray) -> tuple[AnySubsy
     ValueError
         If a mass becomes singular within the period at one of the amplitudes ``eps``.
     """
-    if is_short(system):
+    if has_stiffness_alone(system):
         return subsystems(system)
     if isinstance(system, PeriodicSystem):
         refuse_singular_mass(system, eps.tobytes())
@@ -38,7 +36,9 @@ def parts_of(system: AnySystem, Omega: float, eps: FloatArray) -> tuple[AnySubsy
 
 def rigid_motions(system: AnySystem, Omega: float) -> int:
     """Return the number of rigid motions of the system at ``Omega``; see `floquet.engine.coordinates`."""
-    return rigid_motions_of_stiffness(system) if is_short(system) else general_subsystems(system, Omega).rigid
+    return (
+        rigid_motions_of_stiffness(system) if has_stiffness_alone(system) else general_subsystems(system, Omega).rigid
+    )
 
 
 def sampler_of(subsystem: AnySubsystem, Omega: float, work: Workspace) -> AnySampler:
@@ -46,8 +46,3 @@ def sampler_of(subsystem: AnySubsystem, Omega: float, work: Workspace) -> AnySam
     if isinstance(subsystem, Subsystem):
         return Sampler.of(subsystem, Omega, work)
     return general_sampler(subsystem, Omega, work)
-
-
-def is_short(system: AnySystem) -> TypeGuard[PeriodicSystem]:
-    """Return whether only the stiffness depends on time, as in eq. (11)."""
-    return isinstance(system, PeriodicSystem) and not system.terms

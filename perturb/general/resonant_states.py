@@ -26,10 +26,10 @@ from perturb.effective_matrix import (
 )
 from perturb.general.equations import GeneralEquations, GeneralExpansion
 from perturb.intervals import Search
-from perturb.pair import Detuning, pair_growth, pair_slope
+from perturb.pair import Detuning, pair_slope
 from perturb.resonance import Resonance
 from perturb.resonant_pair import ResonantPair
-from perturb.resonant_states import DRIFT_REPETITIONS, ResonantStates
+from perturb.resonant_states import ResonantStates
 
 Monomial = tuple[int, int]
 Couplings = dict[Monomial, dict[int, ComplexArray]]  # by monomial and harmonic
@@ -77,17 +77,12 @@ class GeneralStates(ResonantStates):
     def growth(self, x: FloatArray, eps: FloatArray) -> FloatArray:
         if len(self.matrix.states) > 2:
             return super().growth(x, eps)
-        C_p, C_q, L, shift = self._alone(x, eps)
-        return pair_growth(C_p, C_q, L, self.matrix.detuning_of_pair(x) - shift)
+        return self._growth_of_pair(x, eps)
 
     def _edges(self, eps: FloatArray, whole: bool) -> tuple[FloatArray, FloatArray]:
         if len(self.matrix.states) > 2 or self._never_open:
             return super()._edges(eps, whole)
-        low, high = np.zeros(eps.shape), np.zeros(eps.shape)
-        drifts = any(drift for _, drift in self.matrix.coefficients)
-        for _ in range(DRIFT_REPETITIONS if drifts else 1):
-            low, high = self._edges_at(low, eps)[0], self._edges_at(high, eps)[1]
-        return low, high
+        return self._edges_of_pair(eps)
 
     @property
     def _never_open(self) -> bool:

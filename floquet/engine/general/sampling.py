@@ -29,7 +29,7 @@ from floquet.engine.doubling import (
 from floquet.engine.general.step import GAUSS_OFFSET, general_samples, period_products
 from floquet.engine.general.subsystems import GeneralSubsystem, Harmonics, largest_value, numerical_radius
 from periodic.checks import FloatArray
-from periodic.waveforms import Impulses, Piecewise, Trigonometric, Waveform
+from periodic.waveforms import Impulses, Piecewise, Waveform
 
 # Parts of a period whose products are examined for cancellation.
 WATCHED_PARTS = 8
@@ -189,7 +189,8 @@ class JumpSampler:
         total = np.eye(self.subsystem.states)
         for part in self.steady:
             if part.E.any():
-                total += eps**part.power * _one_sided(part.waveform, phase, inside) * part.E
+                assert not isinstance(part.waveform, Impulses)  # there are none in the mass
+                total += eps**part.power * part.waveform.value_beside(phase, inside) * part.E
         return total
 
 
@@ -211,15 +212,6 @@ def _growth_across(powers: FloatArray, sizes: FloatArray, low: float, high: floa
         for q in range(1, power + 1):
             found[q - 1] += size * math.comb(power, q) * middle ** (power - q) * radius**q
     return tuple(map(quantised, found.tolist()))
-
-
-def _one_sided(waveform: Waveform, phase: float, inside: float) -> float:
-    """Return g at a phase by the formula that holds at the phase ``inside``; both are parts of a period."""
-    if isinstance(waveform, Piecewise):
-        piece, x, slope = waveform.piece_at(2 * np.pi * inside)
-        return float(np.polynomial.polynomial.polyval(x + slope * 2 * np.pi * (phase - inside), np.array(piece)))
-    assert isinstance(waveform, Trigonometric)
-    return float(waveform.values(2 * np.pi * phase))
 
 
 def _has_ended(samples: FloatArray, tolerance: float) -> bool:

@@ -17,7 +17,7 @@ import scipy.linalg as sla
 
 from floquet.engine.coordinates import is_rigid, least_frequency
 from floquet.engine.decoupling import invariant_subspaces
-from periodic import AnySystem, FirstOrderSystem, PeriodicSystem, Term, check_mass, waveforms
+from periodic import AnySystem, FirstOrderSystem, PeriodicSystem, Term, check_mass, excitation, waveforms
 from periodic.checks import FloatArray
 from periodic.structure import conserved_form, is_reversible, skew_form
 from periodic.waveforms import Impulses, Piecewise, Trigonometric, Waveform
@@ -166,7 +166,7 @@ def _second_order(system: PeriodicSystem, V: FloatArray, Omega: float) -> Genera
         return np.block([[zero, zero], [left, right]])
 
     parts = []
-    for of, waveform, X, power in _terms(projected):
+    for of, waveform, X, power in excitation(projected):
         if of == "mass":
             parts.append(Part(power, waveform, empty, lower(zero, X)))
         else:
@@ -185,7 +185,7 @@ def _canonical(system: PeriodicSystem, w: FloatArray) -> tuple[FloatArray, list[
     Sums = list[tuple[int, Waveform, FloatArray]]
     G: Sums = [(0, waveforms.constant(), system.gyroscopic)]
     S: Sums = [(0, waveforms.constant(), system.stiffness)]
-    for of, waveform, X, power in _terms(system):
+    for of, waveform, X, power in excitation(system):
         if of == "gyroscopic":
             G.append((power, waveform, X))
         elif of == "stiffness":
@@ -225,7 +225,7 @@ def _product(g: Waveform, h: Waveform) -> Trigonometric:
 
 
 def _first_order(system: FirstOrderSystem) -> Iterator[GeneralSubsystem]:
-    parts = [(waveform, X, power) for _, waveform, X, power in _terms(system)]
+    parts = [(waveform, X, power) for _, waveform, X, power in excitation(system)]
     matrices = np.array([system.constant, *(X for _, X, _ in parts)])
     for V in invariant_subspaces(matrices):
         inside = V.T @ matrices @ V
@@ -281,15 +281,3 @@ def numerical_radius(X: FloatArray) -> float:
     """
     # the Frobenius norm is larger than that of Kittaneh's bound, but costs nothing
     return float(np.linalg.norm(X, 2) + math.sqrt(np.linalg.norm(X @ X))) / 2
-
-
-def _terms(system: AnySystem) -> Iterator[tuple[str, Waveform, FloatArray, int]]:
-    """Yield everything that depends on eps: of which matrix, waveform, matrix, power."""
-    of = "state" if isinstance(system, FirstOrderSystem) else "stiffness"
-    for j, (c, s) in enumerate(zip(system.cosine, system.sine, strict=True), start=1):
-        if c.any():
-            yield of, waveforms.cosine(j), c, 1
-        if s.any():
-            yield of, waveforms.sine(j), s, 1
-    for term in system.terms:
-        yield term.of, term.waveform, term.matrix, term.power

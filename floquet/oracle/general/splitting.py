@@ -11,7 +11,7 @@ import scipy.linalg as sla
 from floquet.oracle.general.coefficients import Coefficients, Part, coefficients
 from floquet.oracle.reduction import coordinate_sets, driven_scales, elastic_basis
 from floquet.oracle.rigid import rigid_motions
-from periodic import AnySystem, FirstOrderSystem, PeriodicSystem, Term, check_mass, waveforms
+from periodic import AnySystem, FirstOrderSystem, PeriodicSystem, Term, check_mass, excitation, waveforms
 from periodic.checks import FloatArray
 from periodic.structure import conserved_form, is_reversible, skew_form
 
@@ -84,7 +84,9 @@ def _second_order(
     m = len(k)
     zero = np.zeros((m, m))
     parts = [
-        (of, waveform, eps**power * (modes.T @ matrix @ modes)) for of, waveform, matrix, power in _parts(system) if eps
+        (of, waveform, eps**power * (modes.T @ matrix @ modes))
+        for of, waveform, matrix, power in excitation(system)
+        if eps
     ]
     smooth = [X for of, g, X in parts if of == "stiffness" and not isinstance(g, waveforms.Impulses)]
     w = driven_scales(k / 2, np.array(smooth).reshape(-1, m, m), Omega / (2 * np.pi))
@@ -111,15 +113,6 @@ def _second_order(
         reciprocal=form is not None or is_reversible(system, eps),
         form=None if form is None else within.T @ form @ within,
     )
-
-
-def _parts(system: PeriodicSystem) -> Iterator[tuple[str, waveforms.Waveform, FloatArray, int]]:
-    for j, (c, s) in enumerate(zip(system.cosine, system.sine, strict=True), start=1):
-        for matrix, waveform in ((c, waveforms.cosine(j)), (s, waveforms.sine(j))):
-            if matrix.any():
-                yield "stiffness", waveform, matrix, 1
-    for term in system.terms:
-        yield term.of, term.waveform, term.matrix, term.power
 
 
 def _first_order(system: FirstOrderSystem, eps: float) -> Iterator[GeneralSubsystem]:
