@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -24,6 +25,12 @@ MATRICES = {"M": "mass", "K": "stiffness", "A": "state"}
 def references_general() -> dict[str, Any]:
     """Return the file as it is."""
     return dict(json.loads((ROOT / "tests" / "references-general.json").read_text()))
+
+
+def growth_rates(systems: Collection[str] | None = None) -> list[dict[str, Any]]:
+    """Return the entries with a growth rate; those of some systems if any are named."""
+    entries = [entry for entry in references_general()["entries"] if entry["quantity"] == "growth_rate"]
+    return entries if systems is None else [entry for entry in entries if entry["system"] in systems]
 
 
 @dataclass(frozen=True)

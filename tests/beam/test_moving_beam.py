@@ -14,7 +14,7 @@ from beam.matrices import transport
 from floquet import monodromy
 from periodic import PeriodicSystem
 from tests.beam.beam_oracles import free_modes, fundamental, symplectic_defect
-from tests.general_systems import Reference, references_general
+from tests.general_systems import Reference, growth_rates
 
 STRING = MovingBeam(0.3, 0.0)
 BEAM = MovingBeam(2.0, 0.64)
@@ -32,11 +32,7 @@ REFERENCES = {
     "beam_material_weak_v1.0": MovingBeam(1.0, 0.64, 0.001, derivative="material"),
     "beam_material_strong_v1.0": MovingBeam(1.0, 0.64, 0.001, derivative="strong"),
 }
-RATES = [
-    entry
-    for entry in references_general()["entries"]
-    if entry["system"] in REFERENCES and entry["quantity"] == "growth_rate"
-]
+RATES = growth_rates(REFERENCES)
 
 
 @pytest.mark.parametrize("name", REFERENCES)

@@ -15,7 +15,7 @@ from periodic import PeriodicSystem
 from periodic.checks import FloatArray
 from plate import EdgeLoad, MovingPlate, transverse
 from tests.beam.beam_oracles import fundamental, symplectic_defect
-from tests.general_systems import Reference, references_general
+from tests.general_systems import Reference, growth_rates
 
 STEADY = MovingPlate(speed=3.0, tension=10.0, axial_terms=3, lateral_terms=4)
 PULSATING = replace(STEADY, speed_amplitude=1.0, load_amplitude=0.0)
@@ -25,11 +25,7 @@ REFERENCES = {
     "plate_V3.0_f10.0_r1.0_c0.001_tension3.0": replace(PULSATING, damping=0.001, load_amplitude=0.3),
     "plate_V3.0_f10.0_r1.0_c0.001_tension0.0_material": replace(PULSATING, damping=0.001, derivative="material"),
 }
-RATES = [
-    entry
-    for entry in references_general()["entries"]
-    if entry["system"] in REFERENCES and entry["quantity"] == "growth_rate"
-]
+RATES = growth_rates(REFERENCES)
 
 
 @pytest.mark.parametrize("name", REFERENCES)

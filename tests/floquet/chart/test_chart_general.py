@@ -12,9 +12,9 @@ from floquet import Kind, monodromy, stability_chart
 from floquet.chart import TileStore
 from periodic import AnySystem, FirstOrderSystem, PeriodicSystem, Term, waveforms
 from tests.floquet.general_oracles import random_first_order, random_second_order
-from tests.general_systems import Reference, references_general
+from tests.general_systems import Reference, growth_rates
 
-GROWTH_RATES = [entry for entry in references_general()["entries"] if entry["quantity"] == "growth_rate"]
+GROWTH_RATES = growth_rates()
 SYSTEMS = sorted({entry["system"] for entry in GROWTH_RATES})
 X = np.array([[1.0, 0.3], [0.3, -0.5]])
 

@@ -17,13 +17,13 @@ from periodic import AnySystem, FirstOrderSystem, PeriodicSystem, Term, waveform
 from periodic.examples import coupled_mathieu, meissner
 from periodic.structure import conserved_form, is_reversible, skew_form
 from tests.floquet.general_oracles import dop853, random_first_order, random_second_order
-from tests.general_systems import Reference, references_general
+from tests.general_systems import Reference, growth_rates
 from tests.strategies import seeds
 
 some = settings(max_examples=12, deadline=None)
 some_frequencies, some_amplitudes = st.floats(0.6, 4.0), st.floats(-0.9, 0.9)
 
-GROWTH_RATES = [entry for entry in references_general()["entries"] if entry["quantity"] == "growth_rate"]
+GROWTH_RATES = growth_rates()
 SYSTEMS = sorted({entry["system"] for entry in GROWTH_RATES})
 ONE, SKEW = np.eye(2), np.array([[0.0, 1.0], [-1.0, 0.0]])
 

@@ -9,7 +9,7 @@ from compare.outcome import Basis, Outcome, RegionAgreement
 from periodic import PeriodicSystem
 from tests.hunt.statements.magnus import Flows
 from tests.hunt.statements.origin import origin
-from tests.hunt.statements.parts import Part, parts_of
+from tests.hunt.statements.parts import Part, frequencies, parts_of
 from tests.hunt.statements.statement import Judged, Statement
 from tests.hunt.statements.traces import holds
 
@@ -24,7 +24,7 @@ LEFT = 0.75
 def ask(random: np.random.Generator, system: PeriodicSystem) -> tuple[str, list[Statement]]:
     """Ask for the agreement in a random window."""
     parts = parts_of(system)
-    omega = np.sort(np.concatenate([part.exponents.imag for part in parts])) if parts else np.zeros(0)
+    omega = frequencies(parts)
     if not omega.size:
         return "nothing oscillates", []
     middle = 2 * omega[random.integers(min(3, len(omega)))]

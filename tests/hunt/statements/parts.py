@@ -50,6 +50,11 @@ class Part(NamedTuple):
         return all(len(one) >= alike.count(one) for one in alike) and all(alike)
 
 
+def frequencies(parts: list[Part]) -> Array:
+    """Return the frequencies of all parts without excitation, increasing."""
+    return np.sort(np.concatenate([part.exponents.imag for part in parts])) if parts else np.zeros(0)
+
+
 def parts_of(system: PeriodicSystem) -> list[Part]:
     """Return the parts of a system, rigid motions left out.
 

@@ -7,7 +7,7 @@ import numpy as np
 from floquet import Kind, stability_chart
 from periodic import PeriodicSystem
 from tests.hunt.statements.magnus import Flows, Multipliers
-from tests.hunt.statements.parts import parts_of
+from tests.hunt.statements.parts import frequencies, parts_of
 from tests.hunt.statements.statement import Judged, Statement
 from tests.hunt.statements.traces import relative_strength
 
@@ -17,7 +17,7 @@ GROWTH_ERROR = 1e-9
 
 
 def _window(random: np.random.Generator, parts: list) -> tuple[float, float, float] | None:
-    omega = np.sort(np.concatenate([part.exponents.imag for part in parts])) if parts else np.zeros(0)
+    omega = frequencies(parts)
     if not omega.size:
         return None
     middle = 2 * float(omega[random.integers(min(3, len(omega)))])

@@ -8,7 +8,7 @@ from floquet import BoundaryTrace, Kind, trace_boundary
 from periodic import PeriodicSystem
 from tests.hunt.statements.magnus import Flows
 from tests.hunt.statements.origin import origin
-from tests.hunt.statements.parts import Part, parts_of
+from tests.hunt.statements.parts import Part, frequencies, parts_of
 from tests.hunt.statements.statement import Judged, Statement
 
 # Distances from an edge, as parts of the width, at which both sides are looked at: the first that can be told counts.
@@ -24,7 +24,7 @@ FOLLOWED = 4
 def ask(random: np.random.Generator, system: PeriodicSystem) -> tuple[str, list[Statement]]:
     """Ask for a random resonance at a random amplitude."""
     parts = parts_of(system)
-    omega = np.sort(np.concatenate([part.exponents.imag for part in parts])) if parts else np.zeros(0)
+    omega = frequencies(parts)
     if not omega.size:
         return "nothing oscillates", []
     few = min(len(omega), 4)

@@ -8,7 +8,7 @@ from floquet import Region, trace_regions
 from periodic import PeriodicSystem
 from tests.hunt.statements.magnus import Flows
 from tests.hunt.statements.origin import origin
-from tests.hunt.statements.parts import parts_of
+from tests.hunt.statements.parts import frequencies, parts_of
 from tests.hunt.statements.statement import Judged, Statement
 from tests.hunt.statements.traces import relative_strength
 
@@ -23,7 +23,7 @@ FOLLOWED = 3
 def ask(random: np.random.Generator, system: PeriodicSystem) -> tuple[str, list[Statement]]:
     """Ask for the regions of a random window."""
     parts = parts_of(system)
-    omega = np.sort(np.concatenate([part.exponents.imag for part in parts])) if parts else np.zeros(0)
+    omega = frequencies(parts)
     if not omega.size:
         return "nothing oscillates", []
     middle = 2 * omega[random.integers(min(3, len(omega)))]
