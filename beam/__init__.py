@@ -14,7 +14,8 @@ into the stiffness that grows with Omega, so that the beam is a family:
 >>> bool((beam.at(20.0).sine[0] == 2 * beam.at(10.0).sine[0]).all())
 True
 
-The files: `matrices` has the integrals of the trial functions, `moving_beam` the beam.
+The files: `matrices` has the integrals of the trial functions, `section` what a section's angle does, `moving_beam` the
+beam.
 """
 
 from beam.moving_beam import MovingBeam

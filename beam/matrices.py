@@ -1,7 +1,8 @@
-"""Integrals of the trial functions s_k(x) = sqrt(2) sin(k pi x), k = 1..n, on 0 <= x <= 1.
+"""Integrals of the trial functions on 0 <= x <= 1.
 
-They vanish at both supports and are orthonormal. A matrix of integrals has the test function phi as its row and the
-trial function w as its column.
+The deflection w has sines sqrt(2) sin(k pi x), k = 1..n, which vanish at both supports; the rotation psi of the cross
+sections has 1 and sqrt(2) cos(k pi x). Both are orthonormal. A matrix of integrals has the test function (phi for w,
+theta for psi) as its row and the trial function as its column.
 """
 
 from __future__ import annotations
@@ -40,17 +41,31 @@ def inertial_tension(n: int, held_at: float) -> FloatArray:
     return i * j * np.pi**2 * (moment(i - j) + moment(i + j))
 
 
-def bending(n: int) -> FloatArray:
-    """Return (w_xx, phi_xx), diagonal, shape (n, n)."""
-    return np.diag(wavenumbers(n) ** 4)
+def slope(n: int) -> FloatArray:
+    """Return w_x in the functions of the rotation, shape (n + 1, n)."""
+    return np.vstack([np.zeros(n), np.diag(wavenumbers(n))])
 
 
-def carried_bending(n: int) -> FloatArray:
-    """Return (w_xxx, phi_xx), skew, shape (n, n): bending at the rate of change of the curvature carried past."""
-    k2 = wavenumbers(n) ** 2
-    return np.multiply.outer(k2, k2) * transport(n)
+def rotation_transport(n: int) -> FloatArray:
+    """Return R = (psi_x, theta), shape (n + 1, n + 1). It is not skew: cosines do not vanish at the supports."""
+    i, j = np.indices((n + 1, n + 1))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        R = np.where((i + j) % 2 == 1, 4 * j**2 / (i**2 - j**2), 0.0)
+    R[0] /= np.sqrt(2)
+    return R
 
 
-def carried_bending_strong(n: int) -> FloatArray:
-    """Return (w_xxxxx, phi), not skew, shape (n, n): the same from the strong form."""
-    return transport(n) * wavenumbers(n) ** 4
+def curvature(n: int) -> FloatArray:
+    """Return (psi_x, theta_x), diagonal, shape (n + 1, n + 1)."""
+    return np.diag(np.concatenate([[0.0], wavenumbers(n) ** 2]))
+
+
+def carried_curvature(n: int) -> FloatArray:
+    """Return (psi_xx, theta_x), skew, shape (n + 1, n + 1): the curvature that is carried past a place."""
+    k = wavenumbers(n)
+    return np.pad(np.multiply.outer(k, k) * transport(n), ((1, 0), (1, 0)))
+
+
+def carried_curvature_strong(n: int) -> FloatArray:
+    """Return -(psi_xxx, theta), not skew, shape (n + 1, n + 1): the same from the strong form."""
+    return rotation_transport(n) * np.concatenate([[0.0], wavenumbers(n) ** 2])

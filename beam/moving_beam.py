@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from beam import matrices
+from beam.section import Section
 from periodic import PeriodicSystem, Term, waveforms
 from periodic.checks import FloatArray, one_of, real_number, whole_number
 
@@ -28,6 +29,12 @@ class MovingBeam:
 
         v = speed (1 + eps speed_amplitude cos Omega t)      T = 1 + eps tension_amplitude cos Omega t
 
+    That is the slender beam (Euler, Bernoulli). With ``shear_rigidity`` or ``rotary_inertia`` the cross sections turn
+    by an angle psi of their own (Timoshenko), d_t being d/dt + v d/dx:
+
+        d_t d_t w - T w_xx - s (1 + alpha d/dt) (w_x - psi)_x + delta w_t = 0
+        r^2 d_t d_t psi - vf^2 (1 + alpha d/dt) psi_xx - s (1 + alpha d/dt) (w_x - psi) = 0
+
     All quantities are dimensionless: lengths in the span L, time in L sqrt(rho A / P), speeds in sqrt(P / (rho A)), P
     being the mean tension, rho A the mass per length.
 
@@ -41,7 +48,7 @@ class MovingBeam:
     damping : float
         Kelvin–Voigt alpha >= 0, the viscosity of the material divided by its modulus, in the unit of time.
     terms : int
-        n, sines along x.
+        n, sines along x. A Timoshenko beam has n + 1 cosines for the angle besides.
     speed_amplitude : float
         Amplitude of the speed's pulsation for eps = 1, divided by the mean speed.
     tension_amplitude : float
@@ -53,6 +60,12 @@ class MovingBeam:
         leave a moment at the supports there, which "material" holds at zero on the average.
     viscous_damping : float
         delta >= 0, drag of the surroundings for each mass and speed at a place; the one damping that a string has.
+    shear_rigidity : float, optional
+        s = k G A / P > 0, the resistance to shear (k: factor of the cross section's shape). If left out, sections stay
+        at right angles to the axis.
+    rotary_inertia : float
+        r^2 = I / (A L^2) >= 0, the radius of gyration of the cross section over the span, squared. At 0 the angle of a
+        section follows the deflection without delay.
     tension_held_at : float, optional
         Place x0 from 0 to 1 where the tension is T. The tension elsewhere, T + v' (x - x0), accelerates the beam along
         x. If left out, it is T everywhere.
@@ -65,12 +78,14 @@ class MovingBeam:
     Notes
     -----
     Without damping the system is Hamiltonian, whatever speed and tension do: the skew term v' of the stiffness, which
-    grows with Omega, belongs to it. The frequencies of a string are multiples of one: see docs/beam.md before you
-    trust a truncated one.
+    grows with Omega, belongs to it. Sections carry angular momentum through the supports; the equations are the weak
+    form, in which the moment there meets that flow in the mean. The frequencies of a string are multiples of one: see
+    docs/beam.md before you trust a truncated one.
 
     Sources: J. A. Wickert, C. D. Mote, J. Appl. Mech. 57 (1990) 738 (constant speed); H. R. Öz, M. Pakdemirli, J. Sound
     Vib. 227 (1999) 239, and L.-Q. Chen, X.-D. Yang, J. Sound Vib. 284 (2005) 879 (pulsating speed); E. M.
-    Mockensturm, J. Guo, J. Appl. Mech. 72 (2005) 374 (material derivative).
+    Mockensturm, J. Guo, J. Appl. Mech. 72 (2005) 374 (material derivative); S. P. Timoshenko, Phil. Mag. 41 (1921) 744
+    (shear and rotary inertia).
     """
 
     speed: float
@@ -81,13 +96,17 @@ class MovingBeam:
     tension_amplitude: float = 0.0
     derivative: str = "partial"
     viscous_damping: float = field(default=0.0, kw_only=True)
+    shear_rigidity: float | None = field(default=None, kw_only=True)
+    rotary_inertia: float = field(default=0.0, kw_only=True)
     tension_held_at: float | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         for name in ("speed", "speed_amplitude", "tension_amplitude"):
             object.__setattr__(self, name, _parameter(name, getattr(self, name)))
-        for name in ("flexural_rigidity", "damping", "viscous_damping"):
+        for name in ("flexural_rigidity", "damping", "viscous_damping", "rotary_inertia"):
             object.__setattr__(self, name, _parameter(name, getattr(self, name), nonnegative=True))
+        if self.shear_rigidity is not None:
+            object.__setattr__(self, "shear_rigidity", _parameter("shear_rigidity", self.shear_rigidity, positive=True))
         object.__setattr__(self, "terms", whole_number("terms", self.terms, least=1, most=MAX_BEAM_TERMS))
         one_of("derivative", self.derivative, BEAM_DERIVATIVES)
         if self.tension_held_at is not None:
@@ -95,6 +114,12 @@ class MovingBeam:
             if not 0 <= place <= 1:
                 raise ValueError(f"tension_held_at = {place!r} is out of range; give a place from 0 to 1, or None")
             object.__setattr__(self, "tension_held_at", place)
+        for name in ("shear_rigidity", "rotary_inertia"):
+            if getattr(self, name) and not self.flexural_rigidity:
+                raise ValueError(
+                    f"{name} = {getattr(self, name)!r} belongs to cross sections that turn, and a string of "
+                    "flexural_rigidity = 0 has none; leave it out, or give a rigidity"
+                )
         if self.damping and not self.flexural_rigidity:
             raise ValueError(
                 f"damping = {self.damping!r} acts through bending, and a string of flexural_rigidity = 0 does not "
@@ -107,11 +132,28 @@ class MovingBeam:
             )
 
     def critical_speed(self) -> float:
-        """Return the divergence speed sqrt(1 + pi^2 vf^2), at which the stiffness of the undamped beam is singular.
+        """Return the divergence speed, at which the stiffness of the undamped beam is singular.
 
-        It is exact, whatever ``terms`` says; ``speed`` does not enter.
+        It is exact, whatever ``terms`` says; ``speed`` does not enter. A slender beam diverges as sin pi x at
+        sqrt(1 + pi^2 vf^2). One whose sections have more inertia than stiffness does so in the shortest waves, which is
+        the other limit taken.
         """
-        return math.sqrt(1 + math.pi**2 * self.flexural_rigidity)
+        return math.sqrt(min(self._divergence(1.0), self._divergence(0.0)))
+
+    def _divergence(self, part: float) -> float:
+        """Return v^2 at which a wave of length 2 / k diverges, ``part`` being 1 / k^2.
+
+        (1 - v^2) (vf^2 - r^2 v^2 + s / q^2) + s (vf^2 - r^2 v^2) = 0 with q = k pi, divided by s.
+        """
+        a, r, e, f = part / math.pi**2, self.rotary_inertia, self.flexural_rigidity, self._shear_flexibility
+        # c2 x^2 - c1 x + c0 = 0: both roots are positive, and the smaller one is the first
+        c2, c1, c0 = f * r, f * (r + e) + a + r, (1 + f) * e + a
+        return 2 * c0 / (c1 + math.sqrt(max(c1**2 - 4 * c2 * c0, 0.0))) if c1 else math.inf
+
+    @property
+    def _shear_flexibility(self) -> float:
+        """1 / s."""
+        return 0.0 if self.shear_rigidity is None else 1 / self.shear_rigidity
 
     def at(self, Omega: float) -> PeriodicSystem:
         """Return the system at excitation frequency ``Omega`` (`periodic.SystemFamily`).
@@ -143,26 +185,26 @@ class MovingBeam:
         return self._system_at(0.0)
 
     def _system_at(self, Omega: float) -> PeriodicSystem:
-        n, v = self.terms, self.speed
-        B, S, bending = matrices.transport(n), matrices.tension(n), matrices.bending(n)
-        one = np.eye(n)
+        section, v = self._section, self.speed
+        elastic, drag = self._elastic, self.viscous_damping * section.deflected(np.eye(self.terms))
         return PeriodicSystem(
-            mass=one,
-            gyroscopic=2 * v * B,
-            damping=self.damping * self.flexural_rigidity * bending + self.viscous_damping * one,
-            stiffness=(1 - v**2) * S + self.flexural_rigidity * bending + v * self._carried,
-            cosine=self.tension_amplitude * S,
-            terms=self._speed_terms(Omega, B, S) if self._speed_change else (),
+            mass=section.inertia(),
+            gyroscopic=v * section.gyroscopic(),
+            damping=self.damping * elastic + drag,
+            stiffness=self._tension - v**2 * section.centrifugal() + elastic + v * self._carried,
+            cosine=self.tension_amplitude * self._tension,
+            terms=self._speed_terms(Omega) if self._speed_change else (),
         )
 
-    def _speed_terms(self, Omega: float, B: FloatArray, S: FloatArray) -> list[Term]:
+    def _speed_terms(self, Omega: float) -> list[Term]:
         """Return what eps v1 cos Omega t, added to the speed v0, adds to the system."""
-        v0, v1 = self.speed, self._speed_change
-        acceleration = (
-            B if self.tension_held_at is None else B + matrices.inertial_tension(len(B), self.tension_held_at)
-        )
+        v0, v1, section = self.speed, self._speed_change, self._section
+        S = section.centrifugal()
+        acceleration = section.acceleration()
+        if self.tension_held_at is not None:
+            acceleration = acceleration + section.deflected(matrices.inertial_tension(self.terms, self.tension_held_at))
         return [
-            Term("gyroscopic", 2 * v1 * B, waveforms.cosine()),
+            Term("gyroscopic", v1 * section.gyroscopic(), waveforms.cosine()),
             Term("stiffness", v1 * self._carried - 2 * v0 * v1 * S, waveforms.cosine()),
             Term("stiffness", -Omega * v1 * acceleration, waveforms.sine()),  # v' = - eps v1 Omega sin Omega t
             # - v^2 S has - eps^2 v1^2 cos^2 Omega t S
@@ -176,20 +218,30 @@ class MovingBeam:
         return self.speed * self.speed_amplitude
 
     @cached_property
+    def _section(self) -> Section:
+        return Section(self.terms, self.flexural_rigidity, self._shear_flexibility, self.rotary_inertia)
+
+    @cached_property
+    def _tension(self) -> FloatArray:
+        return self._section.deflected(matrices.tension(self.terms))
+
+    @cached_property
+    def _elastic(self) -> FloatArray:
+        """The stiffness of bending and shear."""
+        return self._section.strained(matrices.curvature(self.terms), np.eye(self.terms + 1))
+
+    @cached_property
     def _carried(self) -> FloatArray:
         """The stiffness for each speed that the material derivative adds to the damping."""
-        match self.derivative:
-            case "material":
-                W = matrices.carried_bending(self.terms)
-            case "strong":
-                W = matrices.carried_bending_strong(self.terms)
-            case _:
-                return np.zeros((self.terms, self.terms))
-        return self.damping * self.flexural_rigidity * W
+        if self.derivative == "partial":
+            return np.zeros_like(self._elastic)
+        weak = self.derivative == "material"
+        carried = matrices.carried_curvature if weak else matrices.carried_curvature_strong
+        return self.damping * self._section.strained(carried(self.terms), matrices.rotation_transport(self.terms))
 
 
-def _parameter(name: str, value: float, nonnegative: bool = False) -> float:
-    number = real_number(name, value, nonnegative=nonnegative)
+def _parameter(name: str, value: float, nonnegative: bool = False, positive: bool = False) -> float:
+    number = real_number(name, value, nonnegative=nonnegative, positive=positive)
     if abs(number) > MAX_BEAM_PARAMETER:
         raise ValueError(f"{name} = {number!r} is no beam's; give at most {MAX_BEAM_PARAMETER:g}")
     return number

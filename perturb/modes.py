@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import qr, solve_triangular
 
-from periodic import PeriodicSystem, stiffness_alone
+from periodic import PeriodicSystem
 from periodic.checks import ComplexArray, FloatArray, is_positive_definite
 from periodic.system import SYMMETRY_TOLERANCE
 
@@ -98,7 +98,6 @@ def gyroscopic_modes(system: PeriodicSystem) -> GyroscopicModes:
     if not isinstance(system, PeriodicSystem):
         given = type(system).__name__
         raise ValueError(f"system is of type {given}; give a PeriodicSystem (of a family, family.at(Omega))")
-    stiffness_alone(system)
     M, G, K = system.mass, system.gyroscopic, _checked_stiffness(system.stiffness)
     n = system.size
     L_M, L_K = np.linalg.cholesky(M), np.linalg.cholesky(K)

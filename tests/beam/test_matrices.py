@@ -19,6 +19,13 @@ def derivative(order: int) -> FloatArray:
     return np.sqrt(2) * k**order * np.sin(np.outer(x, k) + order * np.pi / 2)
 
 
+def angle(order: int) -> FloatArray:
+    """Return the derivative of 1 and sqrt(2) cos(k pi x)."""
+    k = np.arange(1, n + 1) * np.pi
+    cosines = np.sqrt(2) * k**order * np.cos(np.outer(x, k) + order * np.pi / 2)
+    return np.column_stack([np.full(len(x), float(order == 0)), cosines])
+
+
 def integral(phi: FloatArray, w: FloatArray, factor: FloatArray | float = 1.0) -> FloatArray:
     return (phi * (weights * factor)[:, None]).T @ w
 
@@ -27,9 +34,11 @@ def test_matrices_are_the_integrals() -> None:
     expected = {
         "transport": integral(derivative(0), derivative(1)),
         "tension": integral(derivative(1), derivative(1)),
-        "bending": integral(derivative(2), derivative(2)),
-        "carried_bending": integral(derivative(2), derivative(3)),
-        "carried_bending_strong": integral(derivative(0), derivative(5)),
+        "slope": integral(angle(0), derivative(1)),
+        "rotation_transport": integral(angle(0), angle(1)),
+        "curvature": integral(angle(1), angle(1)),
+        "carried_curvature": integral(angle(1), angle(2)),
+        "carried_curvature_strong": -integral(angle(0), angle(3)),
     }
     for name, matrix in expected.items():
         np.testing.assert_allclose(
@@ -45,8 +54,8 @@ def test_tension_that_accelerates(held_at: float) -> None:
 
 
 def test_symmetries() -> None:
-    for name, sign in (("transport", -1), ("carried_bending", -1), ("tension", 1), ("bending", 1)):
+    for name, sign in (("transport", -1), ("carried_curvature", -1), ("tension", 1), ("curvature", 1)):
         matrix = getattr(matrices, name)(n)
         np.testing.assert_array_equal(matrix, sign * matrix.T, err_msg=name)
-    strong = matrices.carried_bending_strong(n)
+    strong = matrices.carried_curvature_strong(n)
     assert np.abs(strong + strong.T).max() > 0.5 * np.abs(strong).max()
