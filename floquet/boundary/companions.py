@@ -67,7 +67,7 @@ class Place:
 
     def _crowd(self, region: Region, eps: float) -> list[Resonance]:
         """Return the other resonances between the states of a crowd."""
-        members, reach = region.crowd(eps)
+        members, reach, _ = region.crowd(eps)
         if len(members) == 2:
             return []
         centre, exponents = self.resonance.centre, region.states.exponents[members]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -21,8 +22,11 @@ COINCIDENCE = 1e-8
 MAX_STATE_CONDITION = 1e6
 # Part of a growing solution in the span of the crowd from which on it is the crowd that grows.
 MIN_CROWD_PART = 0.5
-# Points of a scan.
-SCAN_POINTS = 33
+# Points of a scan, and how often an interval between two of them is halved at most, as long as a hill may be in it.
+SCAN_POINTS, MAX_SCAN_HALVINGS = 33, 6
+# Part of the distance from a point at which the nearest pair of a crowd meets at the earliest, up to which none is
+# looked for.
+SURE_DISTANCE = 0.7
 
 
 class States(NamedTuple):
@@ -43,6 +47,24 @@ class States(NamedTuple):
     coupling: ComplexArray
 
 
+class Crowd(NamedTuple):
+    """Those of the free states that resonate together.
+
+    Attributes
+    ----------
+    members : list of int
+        Their numbers.
+    reach : float
+        How far from the centre they may be unstable, in Omega.
+    spread : int
+        Largest difference of the harmonics at which they meet.
+    """
+
+    members: list[int]
+    reach: float
+    spread: int
+
+
 def free_states(system: PeriodicSystem, subsystem: Subsystem) -> States:
     """Return the states of a subsystem without excitation."""
     values, left, right = eigensystem(constant_matrix(subsystem.equations))
@@ -60,10 +82,8 @@ def free_states(system: PeriodicSystem, subsystem: Subsystem) -> States:
     return States(values, subsystem.to_q @ right, coupling)
 
 
-def gather(
-    states: States, modes: Modes, resonance: Resonance, eps: float, second_order: float = 0.0
-) -> tuple[list[int], float]:
-    """Return the states that resonate together at ``eps``, and how far from the centre they may be unstable, in Omega.
+def gather(states: States, modes: Modes, resonance: Resonance, eps: float, second_order: float = 0.0) -> Crowd:
+    """Return the states that resonate together at ``eps``.
 
     A state joins if its detuning from one of them, damping included, is less than the rate at which the excitation
     exchanges the two, or if it coincides. ``second_order``, as part of the centre, is a rate at which two interactions
@@ -89,23 +109,26 @@ def gather(
             break
         members = joined
     inner = np.ix_(members, members)
-    return members, float(detuning[inner].max() + 2 * eps * np.linalg.norm(rate[inner], 2))
+    reach = float(detuning[inner].max() + 2 * eps * np.linalg.norm(rate[inner], 2))
+    return Crowd(members, reach, int(np.abs(step[inner]).max()))
 
 
-def scan(integrator: Integrator, eps: float, low: float, high: float, solutions: ComplexArray) -> list[Point]:
+def scan(
+    integrator: Integrator, eps: float, low: float, high: float, solutions: ComplexArray, spread: int
+) -> list[Point]:
     """Return points between two frequencies at which solutions in the span of ``solutions`` (2n, d) grow, by Omega.
 
-    One on every hill of the test function. The tops of hills that are not high enough at the points of the scan are
-    found by parabolas.
+    One on every hill of the test function. Two of the solutions turn by pi times ``spread`` / Omega at most against
+    each other: the test function at a point tells how far from it none can meet, and intervals in which some may are
+    halved. The tops of hills that are not high enough at the points of the scan are found by parabolas.
     """
 
     def value(Omega: float) -> float:
         return _value(integrator.at(Omega, eps), solutions)
 
-    grid = np.linspace(low, high, SCAN_POINTS).tolist()
-    heights = [value(Omega) for Omega in grid]
+    grid, heights = _refined(value, np.linspace(low, high, SCAN_POINTS).tolist(), spread)
     found = []
-    for k in range(1, SCAN_POINTS - 1):
+    for k in range(1, len(grid) - 1):
         if not np.isfinite(heights[k]) or heights[k] < max(heights[k - 1], heights[k + 1]):
             continue
         hill = [Height(grid[i], heights[i]) for i in (k, k - 1, k + 1)]
@@ -115,6 +138,26 @@ def scan(integrator: Integrator, eps: float, low: float, high: float, solutions:
             there = integrator.at(best.Omega, eps)
             found.append(judge(there, growing(there)))
     return found
+
+
+def _refined(value: Callable[[float], float], grid: list[float], spread: int) -> tuple[list[float], list[float]]:
+    """Return a grid that is finer where pairs may meet between two points, and the test function there."""
+    heights = [value(Omega) for Omega in grid]
+    for _ in range(MAX_SCAN_HALVINGS):
+        sure = [
+            SURE_DISTANCE * np.sqrt(max(-f, 0.0)) * Omega / (np.pi * spread)
+            for Omega, f in zip(grid, heights, strict=True)
+        ]
+        finer = [
+            k
+            for k in range(1, len(grid))
+            if grid[k] - grid[k - 1] > sure[k - 1] + sure[k] and not min(heights[k - 1], heights[k]) > 0
+        ]
+        for k in reversed(finer):
+            middle = (grid[k - 1] + grid[k]) / 2
+            grid.insert(k, middle)
+            heights.insert(k, value(middle))
+    return grid, heights
 
 
 def _value(found: Solutions, solutions: ComplexArray) -> float:

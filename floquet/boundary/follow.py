@@ -114,6 +114,7 @@ class Follower:
         half width.
         """
         start, reference = self._predict(stations, eps)
+        self._check_within(start)
         bend = BEND * (eps * self.strength) ** 2
         step = start * min(max(bend, MIN_TOP_STEP), MAX_TOP_STEP)
         expected = self._point(start, eps, reference)
@@ -128,7 +129,13 @@ class Follower:
 
         around = [start, start - step, start + step]
         best = climb([Height(x, value(x)) for x in around], value, EDGE_RESOLUTION * start, self.within, enough)
+        self._check_within(best.Omega)
         return Top(expected, self._point(best.Omega, eps, reference))
+
+    def _check_within(self, Omega: float) -> None:
+        """A function that still rises where the search ends has no top that belongs to this resonance."""
+        if not self.within[0] < Omega < self.within[1]:
+            raise OutOfReachError
 
     def _predict(self, stations: list[Station], eps: float) -> tuple[float, Reference]:
         """Return where the top must be, to second order in eps, and the pair at the last station."""

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from floquet.boundary.crowd import SCAN_POINTS, States, free_states, gather, scan
+from floquet.boundary.crowd import SCAN_POINTS, Crowd, States, free_states, gather, scan
 from floquet.boundary.follow import Follower, Top
 from floquet.boundary.pair import Point, Reference, judge
 from floquet.boundary.resonance import Modes, Resonance
@@ -79,29 +79,29 @@ class Region:
         sign = -1 if self.is_window else 1
         return Follower(self.integrator, resonance.centre, resonance.j, self.pair, self.strength, sign)
 
-    def crowd(self, eps: float) -> tuple[list[int], float]:
-        """Return the states that resonate together, and how far from the centre."""
+    def crowd(self, eps: float) -> Crowd:
+        """Return the states that resonate together."""
         second_order = self._second_order(eps) if eps >= self.lost else 0.0
         return gather(self.states, self.modes, self.resonance, eps, second_order)
 
     def at(self, eps: float) -> Found:
         """Return what there is at an amplitude."""
         if eps == 0 or self.strength == 0:
-            growth_rate = float(self.states.exponents[self.crowd(0.0)[0]].real.max())
+            growth_rate = float(self.states.exponents[self.crowd(0.0).members].real.max())
             return Found(Kind.COMPLEX if self.is_window else Kind.STABLE, [], growth_rate)
         try:
-            if self.is_window or len(self.crowd(eps)[0]) == 2:
+            if self.is_window or len(self.crowd(eps).members) == 2:
                 try:
                     return self._of_pair(eps, self.follower.top(eps))
                 except OutOfReachError:
                     self.lost = min(self.lost, eps)
             if self.is_window:
                 return self._window(eps)
-            members, reach = self.crowd(eps)
-            if len(members) == 2:
+            crowd = self.crowd(eps)
+            if len(crowd.members) == 2:
                 raise OutOfReachError
-            points = self._scan(eps, members, reach)
-            return self._intervals(eps, points, reach) if points else self._closed(eps)
+            points = self._scan(eps, crowd)
+            return self._intervals(eps, points, crowd.reach) if points else self._closed(eps)
         except OutOfReachError:
             return Found(Kind.UNDECIDED, [], np.nan)
 
@@ -130,12 +130,12 @@ class Region:
         told = top.likeness >= MIN_COVERED_LIKENESS
         return Found(Kind.STABLE if told or not covered else Kind.UNDECIDED, [], point.growth_rate, covered)
 
-    def _scan(self, eps: float, members: list[int], reach: float) -> list[Point]:
+    def _scan(self, eps: float, crowd: Crowd) -> list[Point]:
         """Return points at which the crowd grows."""
         centre = self.resonance.centre
-        reach = max(reach, centre * self._second_order(eps))
+        reach = max(crowd.reach, centre * self._second_order(eps))
         low, high = max(centre - reach, centre / 2), min(centre + reach, 2 * centre)
-        return scan(self.integrator, eps, low, high, self.states.solutions[:, members])
+        return scan(self.integrator, eps, low, high, self.states.solutions[:, crowd.members], crowd.spread)
 
     def _closed(self, eps: float) -> Found:
         """Return that a crowd is closed, unless its place lies in another region."""
