@@ -175,7 +175,7 @@ class _Comparison:
             if weighed.settled or extension == MAX_EXTENSIONS or not self._resolves(more):
                 break
             eps = more
-        if weighed.outcome is Outcome.DISAGREES or weighed.basis is Basis.UNSETTLED:
+        if not weighed.settled:
             together = self._together(float(eps[0]))
             if together:
                 return _Weighed(True, Outcome.NOT_COMPARED, Basis.COINCIDENT, together)

@@ -46,7 +46,7 @@ def _verdict(one: RegionAgreement, parts: list[Part], omega: np.ndarray, order: 
     if one.outcome is Outcome.NOT_COMPARED:
         if one.basis is Basis.UNCOUPLED:
             pair = float(omega[one.p - 1]), float(omega[one.q - 1])
-            idle = not any(part.F.any() for part in own)
+            idle = not own or any(not part.F.any() for part in own)  # of parts with equal frequencies one is enough
             idle |= any(not part.holds(*set(pair)) and any(map(part.holds, pair)) for part in parts)
             return [Statement("uncoupled", says, Judged.TRUE if idle else Judged.WRONG)]
         if one.basis is Basis.DAMPED:
@@ -55,7 +55,7 @@ def _verdict(one: RegionAgreement, parts: list[Part], omega: np.ndarray, order: 
     if not own:
         return [Statement("verdict", f"{says}, of modes that nothing couples", Judged.WRONG)]
     found = [_numbers(one, says, order)]
-    flows, eps = Flows(own), float(one.eps[-1])
+    flows, each, eps = Flows(own), [Flows([part]) for part in own], float(one.eps[-1])
     if one.basis is Basis.CLOSED:
         return [*found, _closed(one, flows, eps, says)]
     for k, name in ((0, "lower"), (1, "upper")):
@@ -63,9 +63,10 @@ def _verdict(one: RegionAgreement, parts: list[Part], omega: np.ndarray, order: 
         if not np.isfinite(width):
             continue
         inward = (1 - 2 * k) * np.maximum(DISTANCES * width, ERRORS * float(one.traced_error[k, -1]))
-        inside, outside = flows.state(edge + inward, eps), flows.state(edge - inward, eps)
-        right = bool(((inside == 1) & (outside == -1)).any())
-        told = bool((inside != 0).all() and (outside != 0).all())
+        # the region of another part may overlap
+        near = [np.array([one.state(edge + inward, eps), one.state(edge - inward, eps)]) for one in each]
+        right = any(((inside == 1) & (outside == -1)).any() for inside, outside in near)
+        told = all(states.all() for states in near)
         judged = Judged.TRUE if right else Judged.WRONG if told else Judged.TOO_FINE
         found.append(Statement("traced", f"{one.label}: {name} edge by integration {edge!r} at eps = {eps!r}", judged))
     return found

@@ -63,9 +63,9 @@ class Flow:
         self.near = np.inf, 0.0, 0.0  # smallest and largest Omega and largest eps for which that is so
         self.force = float(sum(np.linalg.norm(F, 2) for F in part.F)) / self.scale
 
-    def at(self, Omega: Array | list[float] | float, eps: Array | float) -> Multipliers:
-        """Return the multipliers at points that broadcast together."""
-        return _multipliers(*self._converged(Omega, eps))
+    def at(self, Omega: Array | list[float] | float, eps: Array | float, finest: float = LARGEST) -> Multipliers:
+        """Return the multipliers at points that broadcast together; ``finest`` is the growth that must be noticed."""
+        return _multipliers(*self._converged(Omega, eps), finest)
 
     def kinds(self, Omega: Array, eps: float) -> set[Kind]:
         """Return all kinds of instability at some points."""
@@ -179,11 +179,11 @@ def _spectrum(maps: Array, error: Array) -> tuple[NDArray[np.complex128], Array,
         return mu, np.log(np.abs(mu)), CLEAR * condition * error[:, None] / np.abs(mu)
 
 
-def _multipliers(maps: Array, error: Array) -> Multipliers:
+def _multipliers(maps: Array, error: Array, finest: float) -> Multipliers:
     mu, growth, uncertain = _spectrum(maps, error)
     unstable = (growth > uncertain).any(axis=1)
     relevant = np.where(growth > -0.1, uncertain, 0.0).max(axis=1)
-    state = np.where(unstable, 1, np.where(relevant < LARGEST, -1, 0))
+    state = np.where(unstable, 1, np.where(relevant < min(finest, LARGEST), -1, 0))
     leading = growth.argmax(axis=1)
     rows = np.arange(len(mu))
     return Multipliers(state, growth[rows, leading], uncertain[rows, leading], mu[rows, leading])
@@ -196,9 +196,11 @@ class Flows:
         self.parts = parts
         self.flows = [Flow(part) for part in parts]
 
-    def state(self, Omega: Array | list[float] | float, eps: Array | float) -> NDArray[np.int_]:
-        """Return 1 unstable, -1 stable, 0 not to be told, at each point."""
-        found = np.array([flow.at(Omega, eps).state for flow in self.flows])
+    def state(
+        self, Omega: Array | list[float] | float, eps: Array | float, finest: float = LARGEST
+    ) -> NDArray[np.int_]:
+        """Return 1 unstable, -1 stable, 0 not to be told, at each point; stable if a growth ``finest`` would show."""
+        found = np.array([flow.at(Omega, eps, finest).state for flow in self.flows])
         if not len(found):
             return np.full(np.broadcast(np.atleast_1d(Omega), eps).shape, -1)
         return np.where((found == 1).any(axis=0), 1, np.where((found == 0).any(axis=0), 0, -1))

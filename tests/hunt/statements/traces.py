@@ -17,6 +17,8 @@ DISTANCES = (1e-3, 1e-2, 1e-4, 1e-5)
 ERRORS, NO_GAP = 10.0, 1e-6
 # Points inside an interval, and points of a scan.
 INSIDE, SCAN = 9, 41
+# Growth at the outermost of these points, as part of that in the middle.
+LEAST_GROWTH_INSIDE = 0.3
 # Every so many regions are followed down to their origin.
 FOLLOWED = 4
 
@@ -100,7 +102,8 @@ def _interval(
         return [Statement("inside", f"an interval {low!r} to {high!r}", Judged.WRONG)]
     word = "unstable" if inside > 0 else "stable"
     grid = a + (b - a) * (1 - np.cos(np.pi * np.arange(1, INSIDE + 1) / (INSIDE + 1))) / 2
-    state = everything.state(grid, eps)
+    finest = np.pi * trace.resonance.j * (b - a) / (2 * centre)  # largest growth in an interval so wide
+    state = everything.state(grid, eps, LEAST_GROWTH_INSIDE * finest)
     judged = Judged.TRUE if (state == inside).all() else Judged.TOO_FINE
     if (state == -inside).any() and not _is_gap_resolved(everything, grid[state == -inside], eps, inside):
         judged = Judged.WRONG
@@ -163,6 +166,8 @@ def _named(flows: Flows, trace: BoundaryTrace, eps: float) -> Statement:
         start = float(low + high) / 2
     if high - low < 1e-4 * centre:
         return Statement("name", sentence, Judged.TOO_FINE)
+    if np.isfinite([trace.lower_meeting[0], trace.upper_meeting[0]]).any():
+        return Statement("name", f"{sentence} and of another, which takes over", Judged.TOO_FINE)
     came = origin(flows, start, eps, float(high - low), trace.resonance.j, centre)
     if came is None:
         return Statement("name", sentence, Judged.TOO_FINE)
