@@ -118,7 +118,7 @@ def scan(
 ) -> list[Point]:
     """Return points between two frequencies at which solutions in the span of ``solutions`` (2n, d) grow, by Omega.
 
-    One on every hill of the test function. Two of the solutions turn by pi times ``spread`` / Omega at most against
+    At least one on every hill of the test function. Two of the solutions turn by pi times ``spread`` / Omega at most against
     each other: the test function at a point tells how far from it none can meet, and intervals in which some may are
     halved. The tops of hills that are not high enough at the points of the scan are found by parabolas.
     """
@@ -127,17 +127,17 @@ def scan(
         return _value(integrator.at(Omega, eps), solutions)
 
     grid, heights = _refined(value, np.linspace(low, high, SCAN_POINTS).tolist(), spread)
-    found = []
+    inside = [Omega for Omega, height in zip(grid, heights, strict=True) if height > 0]
     for k in range(1, len(grid) - 1):
-        if not np.isfinite(heights[k]) or heights[k] < max(heights[k - 1], heights[k + 1]):
+        if not np.isfinite(heights[k]) or not max(heights[k - 1], heights[k + 1]) <= heights[k] <= 0:
             continue
         hill = [Height(grid[i], heights[i]) for i in (k, k - 1, k + 1)]
         within = grid[k - 1], grid[k + 1]
         best = climb(hill, value, EDGE_RESOLUTION * grid[k], within, enough=lambda best, way: True)
         if best.value > 0:
-            there = integrator.at(best.Omega, eps)
-            found.append(judge(there, growing(there)))
-    return found
+            inside.append(best.Omega)
+    found = [integrator.at(Omega, eps) for Omega in sorted(inside)]
+    return [judge(there, growing(there)) for there in found]
 
 
 def _refined(value: Callable[[float], float], grid: list[float], spread: int) -> tuple[list[float], list[float]]:

@@ -27,6 +27,8 @@ MIN_GROWTH_ERRORS = 10.0
 FREE_GROWTH_ROUNDING = 1e-11
 # How far a crowd is unstable by second-order effects: at most this part of its centre.
 MAX_SECOND_ORDER_REACH = 0.1
+# Second-order effects are known to this factor.
+SECOND_ORDER_ROOM = 2.0
 # A window of stability is looked for at least so far from its centre, as part of it.
 MIN_WINDOW_REACH = 0.01
 
@@ -133,7 +135,7 @@ class Region:
     def _scan(self, eps: float, crowd: Crowd) -> list[Point]:
         """Return points at which the crowd grows."""
         centre = self.resonance.centre
-        reach = max(crowd.reach, centre * self._second_order(eps))
+        reach = max(crowd.reach, SECOND_ORDER_ROOM * centre * self._second_order(eps))
         low, high = max(centre - reach, centre / 2), min(centre + reach, 2 * centre)
         return scan(self.integrator, eps, low, high, self.states.solutions[:, crowd.members], crowd.spread)
 

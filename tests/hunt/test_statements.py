@@ -52,6 +52,12 @@ def test_a_region_whose_pairs_turn_too_fast_to_be_followed_has_its_edges(seed: i
     assert [one.sentence for one in statements if one.judged is Judged.WRONG] == []
 
 
+@pytest.mark.parametrize("seed", [50993, 52268])
+def test_a_region_is_not_looked_for_where_the_search_ends(seed: int) -> None:
+    statements = case(seed).statements
+    assert [one.sentence for one in statements if one.judged is Judged.WRONG] == []
+
+
 @pytest.mark.slow
 def test_ten_thousand_statements(tabulate: Callable[..., None]) -> None:
     tally = hunted(10_000, MANY)

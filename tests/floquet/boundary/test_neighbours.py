@@ -12,6 +12,8 @@ from floquet.boundary import natural_modes
 from periodic import PeriodicSystem
 from plate import EdgeLoad, MovingPlate
 from tests.floquet.oracle_systems import dop853
+from tests.hunt.statements.magnus import Flows
+from tests.hunt.statements.parts import parts_of
 from tests.hunt.statements.systems import repeated
 
 NONE = np.zeros((2, 2))
@@ -171,6 +173,21 @@ def test_equal_frequencies_that_only_two_interactions_mix(seed: int) -> None:
     """(omega_1 + omega_2) / 2 of two equal frequencies: the modes turn as eps grows, too fast to follow."""
     system = repeated(np.random.default_rng(seed))
     trace = trace_boundary(system, float(natural_modes(system, 1.0).exponents[0].imag), [0.2], j=2, p=2, q=1)
-    assert trace.kind[0] == Kind.PLUS_ONE
+    inside = np.linspace(trace.lower[0], trace.upper[0], 21)[1:-1]
+    assert trace.kind[0] in {monodromy(system, Omega, 0.2).kind for Omega in inside.tolist()} - {Kind.STABLE}
     assert {one.label for one in trace.resonances} == {"(ω₁+ω₂)/2", "2ω₁/2", "2ω₂/2"}
     check(system, trace)
+
+
+@pytest.mark.parametrize("seed", [2, 3, 8])
+def test_each_of_the_regions_of_equal_frequencies_is_found(seed: int) -> None:
+    """2 omega_1/3 of two equal frequencies: the three regions that nothing but third-order interactions open."""
+    system, eps = repeated(np.random.default_rng(seed)), 0.08
+    near = float(2 * natural_modes(system, 1.0).exponents[0].imag / 3)
+    trace = trace_boundary(system, near, [eps], j=3, p=1, q=1)
+    assert len(trace.intervals[0]) == 3
+    grid = np.linspace(trace.lower[0] - 2e-4 * near, trace.upper[0] + 2e-4 * near, 401)
+    unstable = Flows(parts_of(system)).state(grid, eps) == 1
+    inside = np.any([(low < grid) & (grid < high) for low, high in trace.intervals[0]], axis=0)
+    assert (unstable == inside).mean() > 0.98  # all but the points nearest to the edges
+    assert not (unstable & ~inside).any()
