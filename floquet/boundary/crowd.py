@@ -118,9 +118,9 @@ def scan(
 ) -> list[Point]:
     """Return points between two frequencies at which solutions in the span of ``solutions`` (2n, d) grow, by Omega.
 
-    At least one on every hill of the test function. Two of the solutions turn by pi times ``spread`` / Omega at most against
-    each other: the test function at a point tells how far from it none can meet, and intervals in which some may are
-    halved. The tops of hills that are not high enough at the points of the scan are found by parabolas.
+    At least one on every hill of the test function. Two of the solutions turn by pi times ``spread`` / Omega at most
+    against each other: the test function at a point tells how far from it none can meet, and intervals in which some
+    may are halved. The tops of hills that are not high enough at the points of the scan are found by parabolas.
     """
 
     def value(Omega: float) -> float:

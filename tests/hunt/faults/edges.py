@@ -88,6 +88,13 @@ FAULTS = (
         "floquet/boundary/test_neighbours.py",
     ),
     Fault(
+        "regions between two points of a scan passed over",
+        "floquet/boundary/crowd.py",
+        "for _ in range(MAX_SCAN_HALVINGS):",
+        "for _ in range(0):",
+        "floquet/boundary/test_neighbours.py",
+    ),
+    Fault(
         "a window of stability taken for a region",
         "floquet/boundary/region.py",
         "return bool(exponents.real.max() > FREE_GROWTH_ROUNDING",
