@@ -179,7 +179,7 @@ class _Comparison:
             together = self._together(float(eps[0]))
             if together:
                 return _Weighed(True, Outcome.NOT_COMPARED, Basis.COINCIDENT, together)
-            joined = {value: rung for value, rung in self.rungs.items() if rung.joined}
+            joined = {value: rung for value, rung in self.rungs.items() if rung.joined and not rung.trouble}
             for value, rung in joined.items():  # edges of other regions are no reason to disagree
                 self.rungs[value] = rung._replace(trouble="integration finds it joined with another region")
             return self._weigh(top) if joined else weighed
