@@ -53,7 +53,7 @@ def chart_batch(systems: Sequence[AnySystem], Omega: FloatArray, eps: FloatArray
         for _, same in groupby(systems, key=lambda system: system if has_stiffness_alone(system) else None):
             members = list(same)
             here = Omega[done : done + len(members)]
-            split = [parts_of(member, float(w), eps) for member, w in zip(members, here, strict=True)]
+            split = parts_of(members, here, eps)
             for alike in runs(split):
                 parts.append(_columns(split[alike], here[alike], eps, steps_per_cycle, work))
             done += len(members)

@@ -43,7 +43,7 @@ def steps_needed(systems: Sequence[AnySystem], Omega: FloatArray, eps: FloatArra
         needed = [
             _needed_steps(subsystem, float(frequency), eps, work)
             for system, frequency in zip(systems, Omega, strict=True)
-            for subsystem in parts_of(system, float(frequency), eps)
+            for subsystem in parts_of([system], np.array([frequency]), eps)[0]
         ]
     return max(needed, default=MIN_STEPS_PER_CYCLE)
 

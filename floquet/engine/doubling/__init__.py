@@ -16,7 +16,7 @@ are combinations of a few samples (`sampling`).
 [1.0, 1.367115]
 """
 
-from floquet.engine.doubling.doubling import Scale, cancellation, doublings
+from floquet.engine.doubling.doubling import RESCALING_NORM, Scale, cancellation, doublings
 from floquet.engine.doubling.interpolation import chebyshev_points, chebyshev_weights, degree
 from floquet.engine.doubling.sampling import (
     Piece,
@@ -27,10 +27,11 @@ from floquet.engine.doubling.sampling import (
     largest_amplitude,
 )
 from floquet.engine.doubling.schedule import INTERPOLATION_TOLERANCE, Schedule, growth_bounds, quantised
-from floquet.engine.doubling.step import exponential
+from floquet.engine.doubling.step import exponential, multiply
 
 __all__ = [
     "INTERPOLATION_TOLERANCE",
+    "RESCALING_NORM",
     "Piece",
     "Sampler",
     "Scale",
@@ -46,5 +47,6 @@ __all__ = [
     "growth_bounds",
     "in_lanes",
     "largest_amplitude",
+    "multiply",
     "quantised",
 ]

@@ -27,7 +27,7 @@ from floquet.engine.doubling import (
     quantised,
 )
 from floquet.engine.general.step import GAUSS_OFFSET, general_samples, period_products
-from floquet.engine.general.subsystems import GeneralSubsystem, Harmonics, largest_value, numerical_radius
+from floquet.engine.general.subsystems import GeneralSubsystem, Harmonics, largest_value
 from periodic.checks import FloatArray
 from periodic.waveforms import Impulses, Piecewise, Waveform
 
@@ -84,7 +84,7 @@ class JumpSampler:
         spans = [*(self.period for _ in self.steady), *(1.0 for _ in self.pulses)]
         self.sizes = np.array(
             [
-                span * numerical_radius(part.A) * largest_value(part.waveform)
+                span * part.radius * largest_value(part.waveform)
                 for span, part in zip(spans, (*self.steady, *self.pulses), strict=True)
             ]
         )

@@ -5,9 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from floquet.engine.doubling import cancellation, doublings, exponential
+from floquet.engine.doubling import RESCALING_NORM, cancellation, doublings, multiply
+from floquet.engine.general.exponential import WORK_MATRICES, exponential_into
 
 GAUSS_OFFSET = np.sqrt(3.0) / 6.0  # of the two Gauss points from the middle of a step, in units of its length
+MAX_UNSCALED_POWER = np.log2(RESCALING_NORM)  # of two, by which a product need not be scaled
+STEPS_TOGETHER = 32  # of which the matrices are put together by one product
 
 
 @njit(cache=True, nogil=True)
@@ -22,19 +25,38 @@ def general_steps(A, powers, harmonics, cosine, sine, h, Omega, theta, eps, P): 
     transformation with the period of the excitation makes a step of fourth order of it, as in
     `floquet.engine.doubling.step`, whose step is the same for periodic stiffness alone: there [V, V'] vanishes.
     """
-    N, R = A.shape[0], powers.size
-    E = exponential(h * A)
-    V, slope = np.empty((N, N)), np.empty((N, N))
-    for i in range(theta.size):
-        V[:] = 0.0
-        slope[:] = 0.0
-        for r in range(R):
-            factor, turn = eps[i] ** powers[r], harmonics[r] * theta[i]
-            c, s, rate = factor * np.cos(turn), factor * np.sin(turn), harmonics[r] * Omega
-            V += c * cosine[r] + s * sine[r]
-            slope += rate * (c * sine[r] - s * cosine[r])
-        W = np.dot(A, V) - np.dot(V, A) - slope
-        P[i] = np.dot(E, exponential(h * V + (h**3 / 24.0) * (np.dot(V, W) - np.dot(W, V))))
+    N, R, s = A.shape[0], powers.size, theta.size
+    # V and [A, V] - V' are combinations of these matrices
+    parts, moved = np.empty((2 * R, N, N)), np.empty((2 * R, N, N))
+    for r in range(R):
+        parts[r], parts[R + r] = cosine[r], sine[r]
+    for r in range(2 * R):
+        moved[r] = np.dot(A, parts[r]) - np.dot(parts[r], A)
+    flat, flat_moved = parts.reshape(2 * R, N * N), moved.reshape(2 * R, N * N)
+    work = np.empty((WORK_MATRICES + 2, N, N))
+    free, excited = WORK_MATRICES, WORK_MATRICES + 1  # places of the two factors of a step
+    work[0] = h * A
+    exponential_into(work, work, free)
+    amounts, rates = np.empty((STEPS_TOGETHER, 2 * R)), np.empty((STEPS_TOGETHER, 2 * R))
+    both = np.empty((2 * STEPS_TOGETHER, N, N))
+    first, second = both[:STEPS_TOGETHER].reshape(-1, N * N), both[STEPS_TOGETHER:].reshape(-1, N * N)
+    for start in range(0, s, STEPS_TOGETHER):
+        count = min(STEPS_TOGETHER, s - start)
+        for i in range(count):
+            for r in range(R):
+                factor, turn = eps[start + i] ** powers[r], harmonics[r] * theta[start + i]
+                on_cosine, on_sine, rate = factor * np.cos(turn), factor * np.sin(turn), harmonics[r] * Omega
+                amounts[i, r], amounts[i, R + r] = on_cosine, on_sine
+                rates[i, r], rates[i, R + r] = -rate * on_sine, rate * on_cosine
+        np.dot(amounts[:count], flat, first[:count])
+        second[:count] = np.dot(amounts[:count], flat_moved) - np.dot(rates[:count], flat)
+        for i in range(count):
+            V, W = i, STEPS_TOGETHER + i
+            multiply(both, W, V, work, 0)
+            multiply(both, V, W, work, 1)
+            work[0] = h * both[V] + h**3 / 24.0 * (work[0] - work[1])
+            exponential_into(work, work, excited)
+            multiply(work, excited, free, P, start + i)
 
 
 @njit(cache=True, nogil=True)
@@ -84,7 +106,7 @@ def period_products(A, X, Y, factors, values, ends, lengths, mass, constant, jum
     """
     k, N, R, stretches = factors.shape[0], A.shape[0], factors.shape[1], ends.size
     products, exponents, losses = np.empty((k, N, N)), np.zeros(k), np.ones(k)
-    both = np.empty((2, N, N))
+    both, work, grown = np.empty((2, N, N)), np.empty((WORK_MATRICES + 1, N, N)), WORK_MATRICES
     for a in range(k):
         product = np.eye(N)
         part, before = np.eye(N), 0
@@ -100,12 +122,17 @@ def period_products(A, X, Y, factors, values, ends, lengths, mass, constant, jum
                     for q in range(1 if constant else 2):
                         coefficients(A, X, Y, factors[a], values[step, q], mass, both[q])
                     if constant:
-                        part = exponential(lengths[i] * (ends[i] - first) * both[0])
+                        work[0] = lengths[i] * (ends[i] - first) * both[0]
+                        exponential_into(work, work, grown)
+                        part[:] = work[grown]
                     else:
                         h = lengths[i]
-                        turned = np.dot(both[0], both[1]) - np.dot(both[1], both[0])
-                        grown = exponential(0.5 * h * (both[0] + both[1]) - (np.sqrt(3.0) / 12.0 * h * h) * turned)
-                        part = np.dot(grown, part)
+                        multiply(both, 1, 0, work, 0)
+                        multiply(both, 0, 1, work, 1)
+                        turned = work[0] - work[1]
+                        work[0] = 0.5 * h * (both[0] + both[1]) - (np.sqrt(3.0) / 12.0 * h * h) * turned
+                        exponential_into(work, work, grown)
+                        part = np.dot(work[grown], part)
             last = part
             if jump_of[i] >= 0:
                 last = np.dot(jumps[a, jump_of[i]], part)
@@ -117,6 +144,9 @@ def period_products(A, X, Y, factors, values, ends, lengths, mass, constant, jum
                 shift = np.floor(np.log2(size))
                 product = product * 2.0**-shift
                 exponents[a] += shift
+        if abs(exponents[a]) <= MAX_UNSCALED_POWER:
+            product = product * 2.0 ** exponents[a]
+            exponents[a] = 0.0
         products[a] = product
     return products, exponents, losses
 

@@ -216,8 +216,8 @@ FAULTS = (
     Fault(
         "a step that forgets that the excitation moves",
         "floquet/engine/general/step.py",
-        " - np.dot(V, A) - slope",
-        " - np.dot(V, A)",
+        "np.dot(amounts[:count], flat_moved) - np.dot(rates[:count], flat)",
+        "np.dot(amounts[:count], flat_moved)",
         "floquet/engine/test_general.py",
         compiled=True,
     ),
@@ -227,5 +227,27 @@ FAULTS = (
         "(np.count_nonzero(x) > 1 or len(across) > 1) and not graded",
         "np.count_nonzero(x) > 1",
         "floquet/engine/test_general.py",
+    ),
+    Fault(
+        "coordinates of a pulsating gyroscopic matrix without its derivative",
+        "floquet/engine/general/members.py",
+        "taken = fourier.total((fourier.derivative(half, Omega), fourier.product(drag, half)))",
+        "taken = fourier.product(drag, half)",
+        "floquet/engine/test_general.py",
+    ),
+    Fault(
+        "subspaces of another member, not looked at again",
+        "floquet/engine/general/members.py",
+        "if self.bases is None or not self.bases.suit(mass, matrices):",
+        "if self.bases is None:",
+        "floquet/engine/test_general.py",
+    ),
+    Fault(
+        "a small matrix with a power of two beside it, taken for a large one",
+        "floquet/engine/general/step.py",
+        "if abs(exponents[a]) <= MAX_UNSCALED_POWER:",
+        "if False:",
+        "floquet/engine/test_general.py",
+        compiled=True,
     ),
 )
