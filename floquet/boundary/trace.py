@@ -46,7 +46,9 @@ class BoundaryTrace:
         is then that of the two together. NaN elsewhere.
     kind : ndarray of int8, shape (k,)
         `Kind` of the instability inside; of several intervals, in the one where the solutions of the resonance grow
-        most. STABLE where the region is closed, or narrower than can be resolved.
+        most. STABLE where the region is closed, or narrower than can be resolved: the two solutions were followed to
+        the frequency at which they come nearest to instability, and decay or stay there; where more than two states
+        resonate together, their place was scanned. Elsewhere nothing was looked at: that is what charts do.
         UNDECIDED where the solutions of the resonance cannot be told from others.
     covered : ndarray of bool, shape (k,)
         Where the region is closed, but its place lies in another one: the solutions of the resonance do not grow there,
@@ -58,7 +60,9 @@ class BoundaryTrace:
         False if symmetry keeps the two modes apart: excitation does not make them unstable together.
     window : {"unstable", "stable"}
         What the intervals are. "stable" if the subsystem of the resonance is unstable without excitation: then the
-        intervals are windows in which excitation makes it stable, and ``kind`` is STABLE where there is one.
+        intervals are windows in which excitation makes it stable, and ``kind`` is STABLE where there is one. It is
+        looked for where the two solutions decay most, or round the centre; the same system may have others further
+        away.
     """
 
     near: float
