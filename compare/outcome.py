@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
@@ -17,6 +18,10 @@ class Outcome(StrEnum):
     AGREES = "agrees"
     DISAGREES = "disagrees"
     NOT_COMPARED = "not compared"
+
+
+# Of several outcomes of one region the most serious counts.
+PRIORITY = {Outcome.NOT_COMPARED: 0, Outcome.AGREES: 1, Outcome.DISAGREES: 2}
 
 
 class Basis(StrEnum):
@@ -86,6 +91,11 @@ class RegionAgreement:
     coincident: tuple[str, ...] = ()
 
     @property
+    def names(self) -> frozenset[str]:
+        """All names of the region."""
+        return frozenset((self.label, *self.coincident))
+
+    @property
     def agrees(self) -> bool:
         """Whether numbers were compared and are close; False also for what was not compared."""
         return self.outcome is Outcome.AGREES
@@ -99,6 +109,15 @@ class RegionAgreement:
     def to_dict(self) -> dict[str, Any]:
         """Return plain numbers and strings, NaN as None, fit for JSON."""
         return {name: _plain(value) for name, value in vars(self).items()} | {"agrees": self.agrees}
+
+
+def each_once(verdicts: Iterable[RegionAgreement]) -> list[RegionAgreement]:
+    """Return each region once: of those with the same names the first with the most serious outcome."""
+    found: dict[frozenset[str], RegionAgreement] = {}
+    for one in verdicts:
+        if one.names not in found or PRIORITY[one.outcome] > PRIORITY[found[one.names].outcome]:
+            found[one.names] = one
+    return list(found.values())
 
 
 def _plain(value: Any) -> Any:

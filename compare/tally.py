@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Hashable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from compare.outcome import Basis, Outcome, RegionAgreement
+from compare.outcome import Basis, Outcome, RegionAgreement, each_once
 from periodic import SystemFamily
 from plate import MovingPlate
 
@@ -19,10 +19,6 @@ REASONS = {
     Basis.UNSETTLED: "without a limit on the smallest eps",
     Basis.UNTRACED: "not to be traced",
 }
-
-
-# Of several outcomes of one region the most serious counts.
-PRIORITY = {Outcome.NOT_COMPARED: 0, Outcome.AGREES: 1, Outcome.DISAGREES: 2}
 
 
 @dataclass(frozen=True)
@@ -55,19 +51,13 @@ class Tally:
         A system or a region that comes twice counts once. So does a region that several resonances share: it disagrees
         if it does so under one of its names.
         """
-        regions: dict[Hashable, RegionAgreement] = {}
-        systems: set[SystemFamily] = set()
+        regions: dict[SystemFamily, list[RegionAgreement]] = {}
         for family, verdicts in judged:
-            system = identity(family)
-            systems.add(system)
-            for one in verdicts:
-                key = system, frozenset((one.label, *one.coincident))
-                if key not in regions or PRIORITY[one.outcome] > PRIORITY[regions[key].outcome]:
-                    regions[key] = one
-        count = Counter((one.basis, one.outcome) for one in regions.values())
+            regions.setdefault(identity(family), []).extend(verdicts)
+        count = Counter((one.basis, one.outcome) for found in regions.values() for one in each_once(found))
         settled = (Outcome.AGREES, Outcome.DISAGREES)
         return cls(
-            systems=len(systems),
+            systems=len(regions),
             compared=sum(count[Basis.EDGES, outcome] for outcome in settled),
             disagreeing=count[Basis.EDGES, Outcome.DISAGREES],
             integrated=sum(count[Basis.CLOSED, outcome] for outcome in settled),

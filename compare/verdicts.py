@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from tqdm import tqdm
 
 from compare.comparison import MIN_RUNGS, Key, Theory, compare_region
-from compare.outcome import RegionAgreement
+from compare.outcome import RegionAgreement, each_once
 from compare.rigid import elastic_part
 from floquet.running import gather
 from periodic import SystemFamily, member_at
@@ -62,7 +62,7 @@ def agreement(
     Returns
     -------
     list of RegionAgreement
-        By ascending centre.
+        By ascending centre. A region that several resonances share comes once, under one of its names.
 
     Raises
     ------
@@ -81,7 +81,7 @@ def agreement(
 
     tasks = [(*question, ladder) for question in questions(family, window, modes, order=order, types=types)]
     with tqdm(desc="boundaries", total=len(tasks), unit="region", disable=not progress) as bar:
-        return gather(compare_region, tasks, n_jobs, bar)
+        return each_once(gather(compare_region, tasks, n_jobs, bar))
 
 
 def questions(

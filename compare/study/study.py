@@ -14,7 +14,7 @@ from tqdm import tqdm
 from compare.audit import audit_sentence
 from compare.comparison import compare_region, traced_curve
 from compare.files import Case
-from compare.outcome import RegionAgreement
+from compare.outcome import RegionAgreement, each_once
 from compare.pictures import Layer, Picture, overlay, region_panels, variant_panels
 from compare.tally import Tally, identity
 from compare.verdicts import questions
@@ -246,7 +246,7 @@ def run_studies(
     made: dict[int, list[SystemStudy]] = {}
     for plan, chart, verdicts, traces in zip(plans, charts, compared, traced, strict=True):
         panels = [(curve, trace) for curve, trace in zip(plan.shown, traces, strict=True) if trace is not None]
-        study = SystemStudy(plan.label, plan.family, chart, plan.curves, panels, verdicts)
+        study = SystemStudy(plan.label, plan.family, chart, plan.curves, panels, each_once(verdicts))
         made.setdefault(id(plan.subject), []).append(study)
     return [Study(subject, made[id(subject)]) for subject in subjects]
 

@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare import Basis, Outcome, RegionAgreement, Tally
+from compare import Basis, Outcome, RegionAgreement, Tally, agreement
+from periodic import PeriodicSystem
 from periodic.examples import mathieu
 from plate import MovingPlate
 
@@ -68,3 +69,12 @@ def test_a_plate_that_spells_out_the_terms_it_would_choose_is_the_same_plate() -
     spelled = MovingPlate(axial_terms=terms.axial, lateral_terms=terms.lateral, inplane_terms=terms.inplane)
     tally = Tally.of([(chosen, [ONE]), (spelled, [ONE])])
     assert (tally.systems, tally.compared) == (1, 1)
+
+
+def test_agreement_lists_a_region_of_several_names_once() -> None:
+    # two equal frequencies: 2 omega_1, omega_1 + omega_2 and 2 omega_2 are one region
+    zero = np.zeros((2, 2))
+    system = PeriodicSystem(np.eye(2), zero, zero, np.eye(2), [[[1.4, 0.3], [0.3, 0.6]]])
+    (one,) = agreement(system, (1.9, 2.1), n_jobs=1)
+    assert one.names == {"2ω₁", "ω₁+ω₂", "2ω₂"}
+    assert one.agrees
