@@ -80,11 +80,15 @@ class Coefficients(NamedTuple):
         turn = 2 * np.pi * ((j * start) % 1.0)
         found = np.zeros((self.mix.shape[1], order))
         first = len(self.alpha)
-        c, s, power = np.cos(turn), np.sin(turn), np.ones(len(j))
-        for i in range(order if first else 0):
-            found[:first, i] = self.alpha @ (power * c) + self.beta @ (power * s)
-            c, s = -s, c  # differentiation turns the phase by a quarter
-            power = power * (2 * np.pi * length / (i + 1)) * j
+        if first:
+            c, s = np.cos(turn), np.sin(turn)
+            i = np.arange(order)
+            powers = np.outer(2 * np.pi * length / np.maximum(i, 1), j)
+            powers[0] = 1.0
+            powers = np.cumprod(powers, axis=0)
+            # differentiation turns the phase by a quarter
+            found[:first] = self.alpha @ (powers * np.array([c, -s, -c, s])[i % 4]).T
+            found[:first] += self.beta @ (powers * np.array([s, c, -s, -c])[i % 4]).T
         for row, one in enumerate(self.pieces, start=first):
             piece, x, slope = one.piece_at(2 * np.pi * inside)
             slope *= 2 * np.pi

@@ -132,19 +132,72 @@ def _factors(c: Coefficients, Omega: float, eps: float, rates: list[float], refi
     _refuse_long(c, Omega, sum(counts) * refinement)
     found: list[Factor] = []
     for (a, b), count, rate in zip(segments, counts, rates, strict=True):
-        steps, inside = count * refinement, (a + b) / 2
-        if exact:
-            E, A = c.at(inside, inside)
-            h = period * (b - a) / steps
-            matrix = sla.expm(np.linalg.solve(E, A) * h)
-            size = EXPONENTIAL_ROUNDINGS * float(np.linalg.norm(matrix)) * max(1.0, rate * h)
-            found += [Factor(matrix, MACHINE_EPSILON * size, h)] * steps
-        else:
-            ends = a + (b - a) * np.arange(steps + 1) / steps
-            for start, end in pairwise(ends):
-                _append_step(found, c, Omega, eps, float(start), float(end), inside, MAX_LOCAL_HALVINGS)
+        found += _smooth_part(c, Omega, eps, a, b, count * refinement, rate)
         if c.pieces or c.pulses:
             found += _jump(c, segments, b)
+    return found
+
+
+def _smooth_part(c: Coefficients, Omega: float, eps: float, a: float, b: float, steps: int, rate: float) -> list[Factor]:
+    """Return the factors of so many equal steps from one phase to another, no jump between them."""
+    inside = (a + b) / 2
+    found: list[Factor] = []
+    if c.is_constant_between_jumps:
+        E, A = c.at(inside, inside)
+        h = 2 * np.pi / Omega * (b - a) / steps
+        matrix = sla.expm(np.linalg.solve(E, A) * h)
+        size = EXPONENTIAL_ROUNDINGS * float(np.linalg.norm(matrix)) * max(1.0, rate * h)
+        return [Factor(matrix, MACHINE_EPSILON * size, h)] * steps
+    ends = a + (b - a) * np.arange(steps + 1) / steps
+    for start, end in pairwise(ends):
+        _append_step(found, c, Omega, eps, float(start), float(end), inside, MAX_LOCAL_HALVINGS)
+    return found
+
+
+def factors_between(subsystem: GeneralSubsystem, Omega: float, eps: float, phases: FloatArray) -> list[Factor]:
+    """Integrate one subsystem from each of some phases to the next, as accurately as float64 allows.
+
+    Parameters
+    ----------
+    subsystem : GeneralSubsystem
+    Omega, eps : float
+    phases : ndarray, shape (p + 1,)
+        Increasing, as parts of a period; they may go on into the next one. At a phase where something jumps, the
+        solution just after the jump is meant.
+
+    Returns
+    -------
+    list of Factor
+        p of them.
+
+    Raises
+    ------
+    ValueError
+        As `passage`.
+    """
+    c = subsystem.coefficients
+    segments, rates = c.segments(), _rates(c)
+    jumping = bool(c.pieces or c.pulses)
+    harmonics = 0 if c.is_constant_between_jumps else c.harmonics
+    radians = 2 * np.pi * (max(rates) / Omega + harmonics) * np.diff(phases)
+    _refuse_long(c, Omega, int(np.ceil(2 * radians / RADIANS_PER_STEP).sum()))
+    turn = int(np.floor(phases[0]))
+    place = float(phases[0]) - turn
+    found = []
+    for last in phases[1:].tolist():
+        parts: list[Factor] = []
+        while place + turn < last:
+            number = next(i for i, (_, end) in enumerate(segments) if place < end)
+            end = segments[number][1]
+            reached = end + turn <= last
+            b = end if reached else last - turn
+            span = 2 * np.pi * (rates[number] / Omega + harmonics) * (b - place)
+            steps = int(np.ceil(2 * span / RADIANS_PER_STEP)) or 1  # shorter than those of the map: they round less
+            parts += _smooth_part(c, Omega, eps, place, b, steps, rates[number])
+            if jumping and reached:
+                parts += _jump(c, segments, b)
+            turn, place = (turn + 1, 0.0) if reached and end == 1.0 else (turn, b)
+        found.append(_gathered(parts, 1)[0])
     return found
 
 
