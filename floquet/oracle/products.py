@@ -14,13 +14,15 @@ Sources: A. W. Bojanczyk, G. H. Golub and P. Van Dooren, "The periodic Schur dec
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import pairwise, takewhile
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
 
-from floquet.oracle.multipliers import QR_ROUNDINGS, perturbed_eigenvalues
+from floquet.oracle.multipliers import ISOLATED_SHIFT, QR_ROUNDINGS, perturbed_eigenvalues
 from floquet.oracle.taylor import MACHINE_EPSILON
 from periodic.checks import ComplexArray, FloatArray
 
@@ -30,8 +32,9 @@ MAX_BLOCK_SPREAD = 100.0
 MIN_CUT_RATIO = 2.0
 # Rounds of the cycle after which a block that could not be cut is left whole.
 MAX_ROUNDS = 80
-# The solutions of each block serve the error estimate: their relative accuracy, and the rounds that it may take.
-SOLUTION_TOLERANCE, MAX_SOLUTION_ROUNDS = 1e-2, 40
+# Relative accuracy of the solutions of each block where they serve the error estimate alone, and where they are what is
+# wanted; and the rounds that it may take.
+ESTIMATE_TOLERANCE, SOLUTION_TOLERANCE, MAX_SOLUTION_ROUNDS = 1e-2, 1e-14, 60
 # Binary exponent of the smallest number that float64 holds.
 MIN_EXPONENT = -1074
 
@@ -69,14 +72,43 @@ def product_eigenvalues(factors: FloatArray, rounding: FloatArray, systematic: F
     the squares of these contributions are added, of systematic errors the contributions.
     """
     N = factors.shape[1]
-    exponents = np.frexp(np.linalg.norm(factors, axis=(1, 2)))[1]
-    scaled = np.ldexp(factors, -exponents[:, None, None])
-    # the orthogonal transformations round, too
-    rounding = np.ldexp(rounding, -exponents) + QR_ROUNDINGS * np.sqrt(N) * MACHINE_EPSILON
-    systematic = np.ldexp(systematic, -exponents)
+    scaled, exponents, rounding, systematic = scaled_factors(factors, rounding, systematic)
     values, relative = np.zeros(N, complex), np.ones(N)
-    R, blocks = _block_triangular(scaled, int(exponents.sum()))
-    first, second = _solution_norms(R, blocks)
+    total = int(exponents.sum())
+    R, blocks, _ = block_triangular(scaled, MIN_EXPONENT - total)
+    T = block_solutions(R, blocks, ESTIMATE_TOLERANCE)
+    for block, found in judged_blocks(R, T, blocks, rounding, systematic):
+        values[block] = _ldexp(found.mu, found.exponent + total)
+        relative[block] = np.where(values[block] == 0, 1.0, found.shift / np.abs(found.mu))
+    return ProductEigenvalues(values, relative)
+
+
+class JudgedBlock(NamedTuple):
+    """The product of a diagonal block, divided by 2^exponent: eigenvalues, shifts by the error, and which are crowded
+    with which: the number of the cluster of each."""
+
+    product: FloatArray
+    exponent: int
+    mu: ComplexArray
+    shift: FloatArray
+    cluster: NDArray[np.intp]
+
+
+def scaled_factors(
+    factors: FloatArray, rounding: FloatArray, systematic: FloatArray
+) -> tuple[FloatArray, NDArray[np.intp], FloatArray, FloatArray]:
+    """Return the factors divided by powers of two, the exponents of these, and the errors of what is left."""
+    exponents = np.frexp(np.linalg.norm(factors, axis=(1, 2)))[1]
+    # the orthogonal transformations round, too
+    rounding = np.ldexp(rounding, -exponents) + QR_ROUNDINGS * np.sqrt(factors.shape[1]) * MACHINE_EPSILON
+    return np.ldexp(factors, -exponents[:, None, None]), exponents, rounding, np.ldexp(systematic, -exponents)
+
+
+def judged_blocks(
+    R: FloatArray, T: FloatArray, blocks: Slices, rounding: FloatArray, systematic: FloatArray
+) -> Iterator[tuple[slice, JudgedBlock]]:
+    """Yield each block and what is known of its eigenvalues."""
+    first, second = _solution_norms(T, blocks)
     reach = np.roll(second, -1, axis=0) * first
     for number, block in enumerate(blocks):
         product, exponent, amplification = _chain(R[:, block, block])
@@ -84,15 +116,16 @@ def product_eigenvalues(factors: FloatArray, rounding: FloatArray, systematic: F
         error = np.linalg.norm(amplification * rounding) + amplification @ systematic
         found = perturbed_eigenvalues(product, float(error))
         shift = found.shifts(product, np.arange(len(product)))
-        values[block] = _ldexp(found.mu, exponent + int(exponents.sum()))
-        relative[block] = np.where(values[block] == 0, 1.0, shift / np.abs(found.mu))
-    return ProductEigenvalues(values, relative)
+        near = found.distance <= np.maximum.outer(found.first_order, found.first_order) / ISOLATED_SHIFT
+        _, cluster = connected_components(near, directed=False)
+        yield block, JudgedBlock(product, exponent, found.mu, shift, cluster)
 
 
-def _block_triangular(factors: FloatArray, exponent: int) -> tuple[FloatArray, Slices]:
-    """Return R (p, m, m), block upper triangular and similar to the factors as a cycle, and its diagonal blocks.
+def block_triangular(factors: FloatArray, least: float) -> tuple[FloatArray, Slices, FloatArray]:
+    """Return R (p, m, m), block upper triangular and similar to the factors as a cycle, its diagonal blocks, and the
+    bases Q (p, N, m) before each factor in which it is so.
 
-    Left out are the last N - m solutions if their multipliers, times 2 to the power of ``exponent``, underflow.
+    Left out are the last N - m solutions, if their multipliers are below 2 to the power of ``least``.
     """
     p, N, _ = factors.shape
     # generic: no eigenvector is at right angles to it
@@ -112,13 +145,13 @@ def _block_triangular(factors: FloatArray, exponent: int) -> tuple[FloatArray, S
             else:
                 found.append((block, float(log_moduli[inside].max())))
     found.sort(key=lambda one: one[0].start)
-    blocks = [block for block, _ in takewhile(lambda one: one[1] / np.log(2) + exponent > MIN_EXPONENT, found)]
+    blocks = [block for block, _ in takewhile(lambda one: one[1] / np.log(2) > least, found)]
     size = blocks[-1].stop if blocks else 0
     kept = bases[:, :, :size]
     R = np.roll(kept, -1, axis=0).transpose(0, 2, 1) @ factors @ kept
     for block in blocks:
         R[:, block.stop :, block] = 0.0
-    return R, blocks
+    return R, blocks, kept
 
 
 def _cut(factors: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, list[int]]:
@@ -158,29 +191,38 @@ def _cut(factors: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, list[
     return bases, R, log_moduli, cuts
 
 
-def _solution_norms(R: FloatArray, blocks: Slices) -> tuple[FloatArray, FloatArray]:
-    """Return |Z_k| and |W_k| (p, blocks), Frobenius norms of the solutions of each block before each factor.
+def block_solutions(R: FloatArray, blocks: Slices, tolerance: float) -> FloatArray:
+    """Return T (p, m, m), unit block upper triangular: its columns are the solutions of each block before each factor.
 
-    Z_k are the columns of T_k with R_k T_{k-1} = T_k B_k, B_k the diagonal blocks and T_k unit block upper triangular;
-    W_k^T are the rows of its inverse. From T_p = I and backwards round the cycle, T_{k-1} = R_k^{-1} T_k B_k, a block's
-    error decreases by the ratio of its multipliers to those of the blocks before it.
+    R_k T_{k-1} = T_k B_k, where B_k are the diagonal blocks. From T_p = I and backwards round the cycle,
+    T_{k-1} = R_k^{-1} T_k B_k, a block's error decreases by the ratio of its multipliers to those of the blocks before
+    it.
     """
     p, size, _ = R.shape
-    starts = [block.start for block in blocks]
-    if not starts:
-        return np.zeros((p, 0)), np.zeros((p, 0))
-    diagonal = np.zeros((size, size))
+    diagonal, above = np.zeros((size, size)), np.zeros((size, size))
     for block in blocks:
         diagonal[block, block] = 1.0
+        above[block, block.stop :] = 1.0
     T = np.broadcast_to(np.eye(size), (p, size, size)).copy()
     if len(blocks) > 1:
         B, inverse = R * diagonal, np.linalg.inv(R)
         for _ in range(MAX_SOLUTION_ROUNDS):
             before = T[0].copy()
             for k in range(p - 1, -1, -1):
-                T[k] = inverse[k] @ (T[(k + 1) % p] @ B[k])
-            if np.linalg.norm(T[0] - before) <= SOLUTION_TOLERANCE * np.linalg.norm(before):
+                T[k] = np.eye(size) + above * (inverse[k] @ (T[(k + 1) % p] @ B[k]))
+            if np.linalg.norm(T[0] - before) <= tolerance * np.linalg.norm(before):
                 break
+    return T
+
+
+def _solution_norms(T: FloatArray, blocks: Slices) -> tuple[FloatArray, FloatArray]:
+    """Return |Z_k| and |W_k| (p, blocks), Frobenius norms of the solutions of each block before each factor.
+
+    Z_k are the columns of T_k that belong to the block; W_k^T are the rows of its inverse.
+    """
+    starts = [block.start for block in blocks]
+    if not starts:
+        return np.zeros((len(T), 0)), np.zeros((len(T), 0))
     columns = np.add.reduceat((T**2).sum(axis=1), starts, axis=1)
     rows = np.add.reduceat((np.linalg.inv(T) ** 2).sum(axis=2), starts, axis=1)
     return np.sqrt(columns), np.sqrt(rows)

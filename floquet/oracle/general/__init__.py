@@ -13,7 +13,17 @@ exponentials where all is constant.
 [0.043213918]
 """
 
-from floquet.oracle.general.period import Factor, Passage, factors_between, multipliers_of, passage
+from floquet.oracle.general.period import Parts, Passage, factors_between, largest_rate, multipliers_of, passage
 from floquet.oracle.general.splitting import GeneralSubsystem, Split, split
 
-__all__ = ["Factor", "GeneralSubsystem", "Passage", "Split", "factors_between", "multipliers_of", "passage", "split"]
+__all__ = [
+    "GeneralSubsystem",
+    "Parts",
+    "Passage",
+    "Split",
+    "factors_between",
+    "largest_rate",
+    "multipliers_of",
+    "passage",
+    "split",
+]

@@ -105,10 +105,25 @@ def passage(subsystem: GeneralSubsystem, Omega: float, eps: float, tolerance: fl
 
 def multipliers_of(found: Passage, unknown: float) -> ProductEigenvalues:
     """Return the multipliers from the factors, small ones as accurate as large ones."""
-    groups = _gathered(found.factors, MAX_FACTORS)
-    systematic = np.array([group.duration * (MACHINE_EPSILON * found.rate + unknown) for group in groups])
-    rounding = np.array([group.rounding for group in groups])
-    return product_eigenvalues(np.array([group.matrix for group in groups]), rounding, systematic)
+    return product_eigenvalues(*_with_errors(_gathered(found.factors, MAX_FACTORS), found.rate, unknown))
+
+
+class Parts(NamedTuple):
+    """Matrices (p, N, N) of parts of a period and their errors (p,), as `product_eigenvalues` takes them."""
+
+    matrices: FloatArray
+    rounding: FloatArray
+    systematic: FloatArray
+
+
+def _with_errors(groups: list[Factor], rate: float, unknown: float) -> Parts:
+    systematic = np.array([group.duration * (MACHINE_EPSILON * rate + unknown) for group in groups])
+    return Parts(np.array([group.matrix for group in groups]), np.array([group.rounding for group in groups]), systematic)
+
+
+def largest_rate(subsystem: GeneralSubsystem) -> float:
+    """Return a bound on the rate of the motion at any time, per unit of time."""
+    return max(_rates(subsystem.coefficients))
 
 
 def _rates(c: Coefficients) -> list[float]:
@@ -154,7 +169,7 @@ def _smooth_part(c: Coefficients, Omega: float, eps: float, a: float, b: float, 
     return found
 
 
-def factors_between(subsystem: GeneralSubsystem, Omega: float, eps: float, phases: FloatArray) -> list[Factor]:
+def factors_between(subsystem: GeneralSubsystem, Omega: float, eps: float, phases: FloatArray) -> Parts:
     """Integrate one subsystem from each of some phases to the next, as accurately as float64 allows.
 
     Parameters
@@ -167,7 +182,7 @@ def factors_between(subsystem: GeneralSubsystem, Omega: float, eps: float, phase
 
     Returns
     -------
-    list of Factor
+    Parts
         p of them.
 
     Raises
@@ -197,8 +212,8 @@ def factors_between(subsystem: GeneralSubsystem, Omega: float, eps: float, phase
             if jumping and reached:
                 parts += _jump(c, segments, b)
             turn, place = (turn + 1, 0.0) if reached and end == 1.0 else (turn, b)
-        found.append(_gathered(parts, 1)[0])
-    return found
+        found.append(parts[0] if len(parts) == 1 else _gathered(parts, 1)[0])
+    return _with_errors(found, max(rates), c.unknown)
 
 
 def _append_step(
