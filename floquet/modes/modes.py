@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from floquet.modes.places import Places
+from floquet.modes.response import RESPONSE_SAMPLES, Response, TransientGrowth, respond, transient
 from floquet.modes.solutions import (
     Pieces,
     Solutions,
@@ -141,6 +142,7 @@ class FloquetModes:
     _order: NDArray[np.intp]
     _values: ComplexArray
     _mean_squares: FloatArray
+    _scales: ComplexArray  # what the solutions were multiplied by to become modes
 
     @property
     def period(self) -> float:
@@ -197,16 +199,43 @@ class FloquetModes:
 
     def left(self, number: int) -> ComplexArray:
         """Return the left mode at t = 0 (S,): left(i) @ p_k(0) is 1 for k = i and 0 for the others."""
-        return self._solutions.left[0, self._order[number]] / self._scales[number]
+        return np.asarray(self._solutions.left[0, self._order[number]] / self._scales[number])
 
     @cached_property
-    def _scales(self) -> ComplexArray:
-        """What the solutions were multiplied by to become modes."""
-        first = self._solutions.right[0][:, self._order]
-        start = self._places.interpolated(self._values, np.zeros(1))[0]
-        largest = np.abs(first).argmax(axis=0)
-        columns = np.arange(len(largest))
-        return np.asarray(start[largest, columns] / first[largest, columns])
+    def start(self) -> ComplexArray:
+        """The periodic modes just after t = 0, in columns, shape (S, N)."""
+        return self._solutions.right[0][:, self._order] * self._scales
+
+    def response(self, initial: ArrayLike, periods: int, samples: int = RESPONSE_SAMPLES) -> Response:
+        """Return the motion that follows from the state ``initial`` (S,) at t = 0, at ``samples`` times a period.
+
+        Raises
+        ------
+        ValueError
+            If an argument has the wrong type or shape, or is out of range.
+        """
+        return respond(self._pieces, initial, periods, samples)
+
+    def transient(
+        self, periods: int, samples: int = RESPONSE_SAMPLES, energy: ArrayLike | None = None
+    ) -> TransientGrowth:
+        """Return the largest growth of energy within some periods, over all initial values at t = 0.
+
+        Parameters
+        ----------
+        periods : int
+        samples : int
+            Times in each period at which the growth is computed; the largest is found between them, too.
+        energy : array_like, shape (S, S), optional
+            E of the energy state^T E state. By default that of the constant mass and stiffness (`Response`).
+
+        Raises
+        ------
+        ValueError
+            If an argument has the wrong type or shape, or is out of range; or if no energy is given where the stiffness
+            defines none.
+        """
+        return transient(self._pieces, periods, samples, energy)
 
     def __len__(self) -> int:
         return len(self.exponents)
@@ -286,7 +315,8 @@ def modes_of(member: AnySystem, Omega: float, eps: float) -> FloquetModes:
     values = values * np.exp(-2j * np.pi * np.outer(places.phases, shift))[:, None, :]
     logs = np.diagonal(logarithms) + 2j * np.pi * shift
     order = _in_order(logs)
-    values = _normalised(member, places, values, solutions)[:, :, order]
+    scales = _scales(member, places, values, solutions)
+    values = (values * scales)[:, :, order]
     number = {int(old): new for new, old in enumerate(order)}
     clusters = tuple(tuple(sorted(number[i] for i in one)) for one in solutions.clusters if len(one) > 1)
     T = 2 * np.pi / Omega
@@ -304,6 +334,7 @@ def modes_of(member: AnySystem, Omega: float, eps: float) -> FloquetModes:
         order,
         values,
         mean_squares,
+        scales[order],
     )
 
 
@@ -332,8 +363,9 @@ def _in_order(logs: ComplexArray) -> NDArray[np.intp]:
     return np.lexsort((-np.sign(frequency), rounded, -np.round(logs.real, GROWTH_DIGITS)))
 
 
-def _normalised(member: AnySystem, places: Places, values: ComplexArray, solutions: Solutions) -> ComplexArray:
-    """Scale modes to a mean square of one; the largest entry of the branch's own harmonic is real and positive."""
+def _scales(member: AnySystem, places: Places, values: ComplexArray, solutions: Solutions) -> ComplexArray:
+    """Return factors that scale modes to a mean square of one, and make the largest entry of the branch's own harmonic
+    real and positive; one for all of a cluster, shape (N,)."""
     mean_squares = places.weights @ _squares(member, values)
     own = np.tensordot(places.weights, values, 1)
     factors = np.ones(len(mean_squares), complex)
@@ -343,7 +375,7 @@ def _normalised(member: AnySystem, places: Places, values: ComplexArray, solutio
         largest = column[np.abs(column).argmax()]
         turn = largest.conj() / abs(largest) if largest else 1.0
         factors[members] = turn / np.sqrt(mean_squares[members].mean())
-    return values * factors
+    return factors
 
 
 def _squares(member: AnySystem, values: ComplexArray) -> FloatArray:

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg as sla
+from numpy.typing import NDArray
 
 from floquet.modes.places import Places, places_for
 from floquet.oracle import (
@@ -79,6 +80,8 @@ class Solutions(NamedTuple):
         and at the end those at the beginning times ``closing``.
     clusters : tuple of tuple of int
         Numbers of solutions that cannot be told apart.
+    subsystem : ndarray of int, shape (N,)
+        Number of the subsystem of each solution.
     """
 
     log_values: ComplexArray
@@ -88,6 +91,7 @@ class Solutions(NamedTuple):
     logs: FloatArray
     closing: ComplexArray
     clusters: tuple[tuple[int, ...], ...]
+    subsystem: NDArray[np.intp]
 
     @property
     def begun(self) -> FloatArray:
@@ -106,7 +110,7 @@ def solutions_at(pieces: Pieces, phases: FloatArray) -> Solutions:
         empty = np.zeros(0)
         return Solutions(
             empty.astype(complex), empty, np.zeros((p, S, 0), complex), np.zeros((p, 0, S), complex),
-            np.zeros((p, 0)), np.zeros((0, 0), complex), (),
+            np.zeros((p, 0)), np.zeros((0, 0), complex), (), np.zeros(0, dtype=np.intp),
         )  # fmt: skip
     starts = np.cumsum([0, *(len(one.errors) for _, one in found)]).tolist()
     return Solutions(
@@ -121,6 +125,7 @@ def solutions_at(pieces: Pieces, phases: FloatArray) -> Solutions:
             for start, (_, one) in zip(starts, found, strict=False)
             for cluster in one.clusters
         ),
+        np.repeat(np.arange(len(found)), [len(one.errors) for _, one in found]),
     )
 
 
