@@ -23,22 +23,32 @@ The edges of the region near a frequency, and every region of a window:
 >>> [region.label for region in trace_regions(mathieu(), (0.8, 2.5), (0.0, 0.3), progress=False)]
 ['2ω₁/2', '2ω₁']
 
-Rooms, each using those below it: `regions`; `chart` and `boundary`; `engine`, `oracle` and `certified`, which share no
-code and check each other; `running`; `kind`. `floquet.certified` proves verdicts and needs python-flint.
+How the system moves at a point:
+
+>>> from floquet import floquet_modes
+>>> growing = floquet_modes(mathieu(), Omega=2.0, eps=0.1)[0]
+>>> print(f"at frequency {growing.frequency:.3f}, damping ratio {growing.damping_ratio:.4f}")
+at frequency 1.000, damping ratio -0.0250
+
+Rooms, each using those below it: `regions`; `chart` and `boundary`; `modes`; `engine`, `oracle` and `certified`, which
+share no code and check each other; `running`; `kind`. `floquet.certified` proves verdicts and needs python-flint.
 """
 
 from floquet.boundary import BoundaryTrace, trace_boundary
 from floquet.chart import StabilityChart, stability_chart
 from floquet.kind import Kind
+from floquet.modes import FloquetModes, floquet_modes
 from floquet.oracle import Monodromy, monodromy
 from floquet.regions import Region, trace_regions
 
 __all__ = [
     "BoundaryTrace",
+    "FloquetModes",
     "Kind",
     "Monodromy",
     "Region",
     "StabilityChart",
+    "floquet_modes",
     "monodromy",
     "stability_chart",
     "trace_boundary",

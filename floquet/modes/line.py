@@ -1,8 +1,9 @@
 """Modes followed along a line of any parameter: each keeps its number through veerings and crossings.
 
 Two modes at neighbouring values are the same if the left mode of the one answers to the right mode of the other,
-(l_i r_j') (l_j' r_i) near 1. Where that is not clear the interval is halved. Where frequencies veer, modes turn into
-each other within a short distance, and halving shows it; where they cross, they do not turn however close one looks.
+(l_i r_j') (l_j' r_i) near 1. Where that is not clear, or where the multipliers of two modes of one subsystem may have
+met between the values, the interval is halved. Where frequencies veer, modes turn into each other within a short
+distance, and halving shows it; where they cross, they do not turn however close one looks.
 """
 
 from __future__ import annotations
@@ -18,11 +19,19 @@ from tqdm import tqdm
 
 from floquet.modes.modes import FloquetModes, modes_of
 from floquet.modes.parametric import At, checked_make, made
+from floquet.modes.solutions import pieces_of, solutions_at
 from floquet.running import gather
 from periodic.checks import ComplexArray, FloatArray, grid, one_of, workers
 
-# Likeness above which two modes count as the same one.
-CLEAR_LIKENESS = 0.7
+# Distance of the likeness from one below which two modes count as the same one.
+MAX_UNLIKENESS = 0.25
+# Two exponents may have met between two values if the straight way of their difference, less multiples of i Omega,
+# comes nearer to zero than this part of its length; of such multiples so many count, the others couple too little.
+MEETING, COUPLED_HARMONICS = 0.3, 4
+# Modes that come nearer to each other than this part of Omega without turning into each other cross.
+MIN_GAP = 1e-6
+# Parts of a period where nothing but exponents and modes at t = 0 are wanted.
+FEW_PARTS = 64
 # Exponents that differ by less than this part of themselves are equal.
 EQUAL_EXPONENTS = 1e-10
 # An interval is halved at most so many times.
@@ -34,15 +43,17 @@ KEPT_HARMONICS = 12
 
 
 class _Station(NamedTuple):
-    """What is kept of the modes at one value: exponents and errors (N,), right (S, N) and left (N, S) modes at t = 0,
-    the participation (N, H)."""
+    """What is kept of the modes at one value: exponents, errors and subsystems (N,), right (S, N) and left (N, S) modes
+    at t = 0, the participation (N, H), and whether there is excitation."""
 
     Omega: float
     exponents: ComplexArray
     errors: FloatArray
     right: ComplexArray
     left: ComplexArray
+    subsystem: NDArray[np.intp]
     participation: FloatArray
+    excited: bool
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -148,7 +159,7 @@ def follow_modes(
     unclear = [np.zeros(len(stations[0].errors), dtype=bool)]
 
     def between(a: float, b: float) -> _Station:
-        return _station(made(make, (a + b) / 2, Omega, eps))
+        return _sparse_station(made(make, (a + b) / 2, Omega, eps))
 
     for a, b, station in zip(places[:-1].tolist(), places[1:].tolist(), stations[1:], strict=True):
         if len(station.errors) != len(stations[0].errors):
@@ -188,35 +199,65 @@ class _Followed(NamedTuple):
 
 def _station(at: At) -> _Station:
     modes: FloquetModes = modes_of(*at)
-    numbers = range(len(modes))
-    right, left = modes.start, np.array([modes.left(i) for i in numbers]).reshape(len(modes), -1)
-    return _Station(at.Omega, modes.exponents, modes.errors, right, left, modes.participation)
+    left = np.array([modes.left(i) for i in range(len(modes))]).reshape(len(modes), -1)
+    return _Station(
+        at.Omega, modes.exponents, modes.errors, modes.start, left, modes.subsystems, modes.participation, at.eps != 0
+    )
+
+
+def _sparse_station(at: At) -> _Station:
+    """Return a station that only stands between two others: without participation, and on any branch."""
+    found = solutions_at(pieces_of(*at), np.linspace(0, 1, FEW_PARTS + 1))
+    rate = at.Omega / (2 * np.pi)
+    none = np.zeros((len(found.errors), 0))
+    return _Station(
+        at.Omega, found.log_values * rate, found.errors * rate, found.right[0], found.left[0], found.subsystem, none,
+        at.eps != 0,
+    )  # fmt: skip
 
 
 def _go(
     before: _Followed, after: _Station, a: float, b: float, between: Callable[[float, float], _Station], left: int
 ) -> tuple[_Followed, NDArray[np.bool_]]:
     """Follow modes from one value to the next, through the middle where it is not clear which is which."""
-    order, exponents, clear = _matched(before, after)
-    if clear.all() or not left or not a < (a + b) / 2 < b:
-        return _Followed(after, order, exponents), ~clear
+    following, clear, crossing = _matched(before, after)
+    if (clear.all() and not crossing) or not left or not a < (a + b) / 2 < b:
+        return following, ~clear
     middle, lost = _go(before, between(a, b), a, (a + b) / 2, between, left - 1)
     following, later = _go(middle, after, (a + b) / 2, b, between, left - 1)
     return following, lost | later
 
 
-def _matched(before: _Followed, after: _Station) -> tuple[NDArray[np.intp], ComplexArray, NDArray[np.bool_]]:
-    """Return which mode of ``after`` each mode is, its exponent there, and whether that is clear."""
+def _matched(before: _Followed, after: _Station) -> tuple[_Followed, NDArray[np.bool_], bool]:
+    """Return each mode as it goes on, whether that is clear, and whether two of them may have met on the way."""
     station = before.station
     products = (station.left[before.order] @ after.right) * (after.left @ station.right[:, before.order]).T
     _, order = linear_sum_assignment(-np.minimum(np.abs(products), 1.0))
     # modes of equal exponents may be mixed in any way: what counts is what they answer together
     apart = np.abs(after.exponents[:, None] - after.exponents)
     equal = apart <= EQUAL_EXPONENTS * np.abs(after.exponents) + after.errors[:, None] + after.errors
-    found = np.abs(products @ equal)[np.arange(len(order)), order]
+    found = (products @ equal)[np.arange(len(order)), order]
     own = after.exponents[order]
     turns = np.rint((before.exponents - own).imag / after.Omega)
     exponents = own + 1j * turns * after.Omega
     near = np.abs((exponents - before.exponents).imag) <= MAX_BRANCH_STEP * after.Omega
-    clear = (found >= CLEAR_LIKENESS) & (found <= 1 / CLEAR_LIKENESS) & near
-    return order, exponents, clear
+    clear = (np.abs(found - 1) <= MAX_UNLIKENESS) & near
+    following = _Followed(after, order, exponents)
+    return following, clear, _may_have_met(before, following)
+
+
+def _may_have_met(before: _Followed, after: _Followed) -> bool:
+    """Return whether two modes of one subsystem may have had one multiplier between two stations."""
+    start, end = (one.exponents[:, None] - one.exponents for one in (before, after))
+    Omega = after.station.Omega
+    turns = np.rint(((start + end) / 2).imag / Omega)
+    start, end = start - 1j * turns * before.station.Omega, end - 1j * turns * Omega
+    way = np.abs(end - start)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.clip(np.nan_to_num(-(start * (end - start).conj()).real / way**2), 0, 1)
+    nearest = np.abs(start + share * (end - start))
+    subsystem = after.station.subsystem[after.order]
+    may = (subsystem[:, None] == subsystem) & (np.abs(turns) <= (COUPLED_HARMONICS if after.station.excited else 0))
+    inside = (share > 0) & (share < 1) & (way > MIN_GAP * Omega)
+    np.fill_diagonal(may, False)
+    return bool((may & inside & (nearest < MEETING * way)).any())

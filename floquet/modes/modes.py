@@ -125,7 +125,8 @@ class FloquetModes:
         Estimated errors of the exponents, per unit of time.
     clusters : tuple of tuple of int
         Modes whose multipliers are so close that the error of the motion lets them meet, as on the edge of a region:
-        none of them can be told from the others, only their space and the mean of their exponents can.
+        none of them can be told from the others, only their space and the mean of their exponents can. That mean
+        stands for each of them.
     rigid : int
         Number of rigid motions, which are left out: N is the number of states less two for each.
     """
@@ -196,6 +197,11 @@ class FloquetModes:
         factor = real_number("factor", factor, positive=True)
         fastest = float(self.growth_rates.max(initial=0.0))
         return float(np.log(factor) / fastest) if fastest > 0 else float("inf")
+
+    @property
+    def subsystems(self) -> NDArray[np.intp]:
+        """Number of the independent subsystem in which each mode lives, shape (N,)."""
+        return np.asarray(self._solutions.subsystem[self._order])
 
     def left(self, number: int) -> ComplexArray:
         """Return the left mode at t = 0 (S,): left(i) @ p_k(0) is 1 for k = i and 0 for the others."""
@@ -311,9 +317,9 @@ def modes_of(member: AnySystem, Omega: float, eps: float) -> FloquetModes:
     solutions = solutions_at(pieces, phases)
     logarithms = period_logarithms(solutions)
     values = periodic_parts(solutions, logarithms, phases[:-1])[0 if begins else 1 :]
-    shift = _branches(member, places, values, solutions, np.diagonal(logarithms).imag / (2 * np.pi))
+    shift = _branches(member, places, values, solutions, solutions.log_values.imag / (2 * np.pi))
     values = values * np.exp(-2j * np.pi * np.outer(places.phases, shift))[:, None, :]
-    logs = np.diagonal(logarithms) + 2j * np.pi * shift
+    logs = np.asarray(solutions.log_values + 2j * np.pi * shift, dtype=complex)
     order = _in_order(logs)
     scales = _scales(member, places, values, solutions)
     values = (values * scales)[:, :, order]
@@ -333,7 +339,7 @@ def modes_of(member: AnySystem, Omega: float, eps: float) -> FloquetModes:
         solutions,
         order,
         values,
-        mean_squares,
+        np.asarray(mean_squares),
         scales[order],
     )
 

@@ -33,8 +33,7 @@ def made(make: Callable[[float], Any], value: float, Omega: float | None, eps: f
         family, Omega, eps = found
     elif Omega is None or eps is None:
         raise ValueError(
-            f"Omega = {Omega!r} and eps = {eps!r} do not say where; give both, or let make return "
-            "(system, Omega, eps)"
+            f"Omega = {Omega!r} and eps = {eps!r} do not say where; give both, or let make return (system, Omega, eps)"
         )
     else:
         family = found
@@ -42,7 +41,7 @@ def made(make: Callable[[float], Any], value: float, Omega: float | None, eps: f
     return At(any_member_at(family, Omega, "make"), Omega, real_number("eps", eps))
 
 
-def checked_make(make: Any) -> Callable[[float], Any]:
+def checked_make(make: Callable[[float], Any]) -> Callable[[float], Any]:
     """Return ``make`` if it can be called.
 
     Raises
@@ -55,7 +54,7 @@ def checked_make(make: Any) -> Callable[[float], Any]:
             f"make = {make!r} is not callable; give a function of one parameter that returns a system, or "
             "(system, Omega, eps)"
         )
-    return make  # type: ignore[no-any-return]
+    return make
 
 
 def derivative_step(value: float, step: float | None) -> float:

@@ -7,8 +7,10 @@ divide the period into parts; in each of them Gauss's nodes serve as well.
 from __future__ import annotations
 
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from periodic import AnySystem, waveforms
 from periodic.checks import ComplexArray, FloatArray
@@ -51,18 +53,20 @@ class Places:
             self.parts = [(0.0, 1.0, slice(0, P))]
             return
         ends = sorted({0.0, 1.0, *jumps})
-        phases, weights, self.parts = [], [], []
-        for a, b in zip(ends, ends[1:], strict=False):
+        phases: list[FloatArray] = []
+        weights: list[FloatArray] = []
+        self.parts = []
+        for a, b in pairwise(ends):
             count = int(np.ceil(NODES_PER_RADIAN * 2 * np.pi * order * (b - a))) + SPARE_NODES
             x, w = np.polynomial.legendre.leggauss(count)
-            start = sum(map(len, phases))
+            start = sum(len(part) for part in phases)
             self.parts.append((a, b, slice(start, start + count)))
             phases.append(a + (b - a) * (x + 1) / 2)
             weights.append((b - a) * w / 2)
         self.phases, self.weights = np.concatenate(phases), np.concatenate(weights)
 
     @cached_property
-    def harmonics(self) -> np.ndarray:
+    def harmonics(self) -> NDArray[np.intp]:
         """The harmonics -order ... order, shape (H,)."""
         return np.arange(-self.order, self.order + 1)
 

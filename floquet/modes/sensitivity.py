@@ -155,7 +155,7 @@ def tip_sensitivity(
     """Return d eps / d parameter of the tip of a region that damping keeps closed below: the threshold.
 
     Arguments and errors are those of `edge_sensitivity`; the point is the tip. There the growth rate is zero and has
-    its maximum in Omega, so that the tip's own motion in Omega does not count. Without damping the tip stays at eps = 0.
+    its maximum in Omega, so that the tip's own motion in Omega does not count. Without damping the tip stays at zero.
     """
     make, value = checked_make(make), real_number("value", value)
     Omega, eps = real_number("Omega", Omega, positive=True), real_number("eps", eps)
@@ -240,7 +240,7 @@ class _Change:
         if not found:
             raise ValueError(f"{where} is on no edge: no multiplier is about to leave the unit circle; give an edge")
         if len(found) > 1 and found[1][0] <= EDGE_CLARITY * found[0][0] + ROUNDING_OF_EDGE:
-            raise ValueError(f"{where}: several multipliers are about to leave the unit circle at once; give another eps")
+            raise ValueError(f"{where}: several multipliers are about to leave the unit circle; give another eps")
         members = found[0][1]
         here = np.ix_(members, members)
         if len(members) == 1:
@@ -255,7 +255,7 @@ class _Change:
         """Return pairs of multipliers near the unit circle with the squares of their distances."""
         logs = self.solutions.log_values
         mu = np.exp(1j * logs.imag)
-        found = []
+        found: list[tuple[float, tuple[int, ...]]] = []
         for i in inside:
             for j in all_of_it:
                 apart = abs(mu[i] - mu[j]) ** 2 + abs(logs[i].real - logs[j].real) ** 2

@@ -133,7 +133,7 @@ def _settled(subsystem: GeneralSubsystem, found: ProductSolutions) -> ComplexArr
     """Return the logarithms of the multipliers; on the unit circle where they cannot have left it."""
     logs = found.log_values
     held = subsystem.reciprocal and bool((np.abs(logs.real) <= found.errors).all())
-    return 1j * logs.imag if held else logs
+    return np.asarray(1j * logs.imag, dtype=complex) if held else logs
 
 
 def period_places(pieces: Pieces) -> Places:
@@ -145,29 +145,25 @@ def period_places(pieces: Pieces) -> Places:
 def period_logarithms(solutions: Solutions) -> ComplexArray:
     """Return the logarithm (N, N) of what a period does to the solutions: diagonal but for clusters.
 
-    A cluster's is that of its matrix, upper triangular, and the imaginary parts of all its members lie close together.
+    A cluster's is that of its matrix, with eigenvalues close to the logarithm of their mean.
     """
     found = np.diag(solutions.log_values)
     for cluster in solutions.clusters:
-        if len(cluster) == 1:
-            continue
-        here = np.ix_(cluster, cluster)
-        angle = float(np.angle(np.exp(1j * solutions.log_values[list(cluster)].imag).sum()))
-        unit = np.eye(len(cluster))
-        growth = solutions.logs[:, cluster[0]].sum()
-        turned = np.triu(solutions.closing[here]) * np.exp(-1j * angle)
-        found[here] = np.triu(sla.logm(turned)) + (growth + 1j * angle) * unit
+        if len(cluster) > 1:
+            here = np.ix_(cluster, cluster)
+            angle = solutions.log_values[cluster[0]].imag
+            turned = solutions.closing[here] * np.exp(-1j * angle)
+            growth = solutions.logs[:, cluster[0]].sum()
+            found[here] = sla.logm(turned) + (growth + 1j * angle) * np.eye(len(cluster))
     return found
 
 
 def periodic_parts(solutions: Solutions, logarithms: ComplexArray, phases: FloatArray) -> ComplexArray:
     """Return p = x(t) e^{-L t} (p, S, N) at ``phases`` (p,), parts of a period from the first, L T = ``logarithms``."""
-    found = solutions.right * np.exp(solutions.begun - np.outer(phases, np.diagonal(logarithms)))[:, None, :]
+    found = solutions.right * np.exp(solutions.begun - np.outer(phases, solutions.log_values))[:, None, :]
     for cluster in solutions.clusters:
         if len(cluster) > 1:
             members = list(cluster)
-            inner = logarithms[np.ix_(members, members)]
-            undone = np.array([sla.expm(-inner * phase) for phase in phases])
-            grown = np.exp(solutions.begun[:, cluster[0]])[:, None, None]
-            found[:, :, members] = solutions.right[:, :, members] * grown @ undone
+            rest = logarithms[np.ix_(members, members)] - solutions.log_values[cluster[0]] * np.eye(len(members))
+            found[:, :, members] = found[:, :, members] @ np.array([sla.expm(-rest * phase) for phase in phases])
     return found

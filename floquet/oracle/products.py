@@ -118,7 +118,7 @@ def judged_blocks(
         shift = found.shifts(product, np.arange(len(product)))
         near = found.distance <= np.maximum.outer(found.first_order, found.first_order) / ISOLATED_SHIFT
         _, cluster = connected_components(near, directed=False)
-        yield block, JudgedBlock(product, exponent, found.mu, shift, cluster)
+        yield block, JudgedBlock(product, exponent, found.mu, shift, np.asarray(cluster, dtype=np.intp))
 
 
 def block_triangular(factors: FloatArray, least: float) -> tuple[FloatArray, Slices, FloatArray]:

@@ -12,7 +12,6 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg as sla
-from numpy.typing import NDArray
 
 from floquet.oracle.multipliers import eigensystem
 from floquet.oracle.products import (
@@ -25,10 +24,11 @@ from floquet.oracle.products import (
 )
 from periodic.checks import ComplexArray, FloatArray
 
-
 # Factors are multiplied together up to this condition of their product: no solution is then known worse than to this
 # many roundings.
 MAX_GROUP_CONDITION = 1e3
+# And while its norm and the inverse of its norm are below this.
+MAX_GROUP_SIZE = 1e50
 
 
 class ProductSolutions(NamedTuple):
@@ -37,7 +37,7 @@ class ProductSolutions(NamedTuple):
     Attributes
     ----------
     log_values : ndarray of complex, shape (N,)
-        Logarithms of the eigenvalues; their moduli need not be floats.
+        Logarithms of the eigenvalues, whose moduli need not be floats; of those of a cluster, that of their mean.
     errors : ndarray, shape (N,)
         Estimated errors of the eigenvalues relative to their moduli.
     right : ndarray of complex, shape (p, N, N)
@@ -75,11 +75,9 @@ def product_solutions(factors: FloatArray, rounding: FloatArray, systematic: Flo
     clusters: list[tuple[int, ...]] = []
     factor_logs = exponents * np.log(2.0)
     for block, judged in judged_blocks(R, T, blocks, rounding, systematic):
-        V, order, members = _invariant(judged)
-        mu = judged.mu[order]
-        with np.errstate(divide="ignore"):
-            log_values[block] = np.log(mu) + judged.exponent * np.log(2.0) + factor_logs.sum()
-            errors[block] = judged.shift[order] / np.abs(mu)
+        V, mu, shifts, members = _invariant(judged)
+        log_values[block] = np.log(mu) + judged.exponent * np.log(2.0) + factor_logs.sum()
+        errors[block] = shifts / np.abs(mu)
         clusters += [tuple(block.start + i for i in group) for group in members]
         averages[block, block] = _averages(members, len(mu))
         for group, start in enumerate(starts):
@@ -102,7 +100,8 @@ def product_solutions(factors: FloatArray, rounding: FloatArray, systematic: Flo
             right[end] @= np.where(averages > 0, turned, 0.0)
         else:
             closing = np.where(averages > 0, turned, 0.0)
-    return ProductSolutions(log_values, errors, right, np.linalg.inv(right), logs, closing, tuple(clusters))
+    left = np.asarray(np.linalg.inv(right), dtype=complex)
+    return ProductSolutions(log_values, errors, right, left, logs, closing, tuple(clusters))
 
 
 def _grouped(
@@ -112,19 +111,26 @@ def _grouped(
 
     A group is as long as the condition of its product allows: the fewer, the sooner blocks are told apart.
     """
-    starts, products, errors = [], [], []
+    norms = np.linalg.norm(factors, 2, axis=(1, 2))
+    starts: list[int] = []
+    products: list[FloatArray] = []
+    sums: list[FloatArray] = []
+    growth: list[float] = []
     for k, factor in enumerate(factors):
         longer = factor @ products[-1] if products else factor
-        if k and np.linalg.cond(longer) <= MAX_GROUP_CONDITION:
+        sizes = np.linalg.svd(longer, compute_uv=False)
+        relative = np.array([rounding[k], systematic[k]]) / norms[k]
+        if k and sizes[0] <= MAX_GROUP_CONDITION * sizes[-1] and 1 / MAX_GROUP_SIZE < sizes[0] < MAX_GROUP_SIZE:
             products[-1] = longer
-            growth = max(1.0, float(np.linalg.norm(longer, 2)))
-            errors[-1] = (max(growth, errors[-1][0]), errors[-1][1] + rounding[k], errors[-1][2] + systematic[k])
+            sums[-1] = sums[-1] + relative
+            growth[-1] = np.sqrt(sizes[0] / sizes[-1]) * sizes[0]  # an error within is turned, and at worst stretched
         else:
             starts.append(k)
             products.append(factor)
-            errors.append((1.0, rounding[k], systematic[k]))
-    growth, random, same = np.array(errors).T
-    return starts, np.array(products), growth * random, growth * same
+            sums.append(relative)
+            growth.append(norms[k])
+    random, same = np.array(sums).T * growth
+    return starts, np.array(products), random, same
 
 
 def _sizes(x: ComplexArray, averages: FloatArray) -> FloatArray:
@@ -132,31 +138,29 @@ def _sizes(x: ComplexArray, averages: FloatArray) -> FloatArray:
     return np.asarray(np.sqrt((np.abs(x) ** 2).sum(axis=0) @ averages))
 
 
-def _invariant(judged: JudgedBlock) -> tuple[ComplexArray, NDArray[np.intp], list[list[int]]]:
-    """Return eigenvectors of a block, or bases of clusters, in columns (s, s); the eigenvalues in their order; and the
-    columns of each cluster, which stand side by side."""
+def _invariant(judged: JudgedBlock) -> tuple[ComplexArray, ComplexArray, FloatArray, list[list[int]]]:
+    """Return eigenvectors of a block, or bases of clusters, in columns (s, s); their eigenvalues, or the means of
+    clusters, and the shifts; and the columns of each cluster, which stand side by side."""
     values, _, vectors = eigensystem(judged.product)
-    columns, order, groups = [], [], []
-    for members in _clusters(judged):
-        place = len(order)
+    columns: list[ComplexArray] = []
+    mu: list[complex] = []
+    shifts: list[float] = []
+    groups: list[list[int]] = []
+    for c in np.unique(judged.cluster):
+        members = np.flatnonzero(judged.cluster == c).tolist()
+        groups.append(list(range(len(mu), len(mu) + len(members))))
         if len(members) == 1:
             columns.append(vectors[:, [int(np.abs(values - judged.mu[members[0]]).argmin())]])
-            order += members
         else:
-            basis, diagonal = _invariant_space(judged, members)
-            columns.append(basis)
-            order += [min(members, key=lambda i: abs(judged.mu[i] - z)) for z in diagonal]
-        groups.append(list(range(place, place + len(members))))
-    return np.hstack(columns).astype(complex), np.array(order, dtype=np.intp), groups
+            columns.append(_invariant_space(judged, members))
+        mu += [judged.mu[members].mean()] * len(members)
+        shifts += judged.shift[members].tolist()
+    return np.hstack(columns).astype(complex), np.array(mu), np.array(shifts), groups
 
 
-def _clusters(judged: JudgedBlock) -> list[list[int]]:
-    """Return the members of each cluster."""
-    return [np.flatnonzero(judged.cluster == c).tolist() for c in np.unique(judged.cluster)]
-
-
-def _invariant_space(judged: JudgedBlock, members: list[int]) -> tuple[ComplexArray, ComplexArray]:
-    """Return an orthonormal basis of the space of a cluster, the first vector an eigenvector, and its eigenvalues."""
+def _invariant_space(judged: JudgedBlock, members: list[int]) -> ComplexArray:
+    """Return an orthonormal basis of the space of a cluster, in the order in which the block, less the mean of the
+    cluster, stretches its vectors: the first is an eigenvector, even where the block has no other."""
     inside, outside = judged.mu[members], np.delete(judged.mu, members)
 
     def selected(z: complex) -> bool:
@@ -164,7 +168,9 @@ def _invariant_space(judged: JudgedBlock, members: list[int]) -> tuple[ComplexAr
 
     triangle, basis, _ = sla.schur(judged.product.astype(complex), "complex", sort=selected)  # type: ignore[call-overload]
     count = len(members)
-    return basis[:, :count], np.diagonal(triangle)[:count]
+    inner = triangle[:count, :count]
+    directions = np.linalg.svd(inner - np.trace(inner) / count * np.eye(count))[2]
+    return np.asarray(basis[:, :count] @ directions.conj().T[:, ::-1])
 
 
 def _averages(groups: list[list[int]], s: int) -> FloatArray:

@@ -118,7 +118,9 @@ class Parts(NamedTuple):
 
 def _with_errors(groups: list[Factor], rate: float, unknown: float) -> Parts:
     systematic = np.array([group.duration * (MACHINE_EPSILON * rate + unknown) for group in groups])
-    return Parts(np.array([group.matrix for group in groups]), np.array([group.rounding for group in groups]), systematic)
+    return Parts(
+        np.array([group.matrix for group in groups]), np.array([group.rounding for group in groups]), systematic
+    )
 
 
 def largest_rate(subsystem: GeneralSubsystem) -> float:
@@ -153,7 +155,9 @@ def _factors(c: Coefficients, Omega: float, eps: float, rates: list[float], refi
     return found
 
 
-def _smooth_part(c: Coefficients, Omega: float, eps: float, a: float, b: float, steps: int, rate: float) -> list[Factor]:
+def _smooth_part(
+    c: Coefficients, Omega: float, eps: float, a: float, b: float, steps: int, rate: float
+) -> list[Factor]:
     """Return the factors of so many equal steps from one phase to another, no jump between them."""
     inside = (a + b) / 2
     found: list[Factor] = []
