@@ -35,7 +35,7 @@ FEW_PARTS = 64
 # Exponents that differ by less than this part of themselves are equal.
 EQUAL_EXPONENTS = 1e-10
 # An interval is halved at most so many times.
-MAX_HALVINGS = 24
+MAX_LINE_HALVINGS = 24
 # Part of Omega by which an exponent may change from value to value, so that its branch is not lost.
 MAX_BRANCH_STEP = 0.25
 # Harmonics on either side whose participation is kept.
@@ -165,7 +165,7 @@ def follow_modes(
         if len(station.errors) != len(stations[0].errors):
             raise ValueError(f"values: at {b!r} there are {len(station.errors)} modes, before {len(unclear[0])}; "
                              "a motion has become rigid, or is so no longer: follow on one side")  # fmt: skip
-        following, lost = _go(line[-1], station, a, b, between, MAX_HALVINGS)
+        following, lost = _go(line[-1], station, a, b, between, MAX_LINE_HALVINGS)
         line.append(following)
         unclear.append(lost)
     return ModeLine(

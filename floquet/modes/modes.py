@@ -331,7 +331,7 @@ def modes_of(member: AnySystem, Omega: float, eps: float) -> FloquetModes:
         member,
         Omega,
         eps,
-        logs[order] / T,
+        np.asarray(logs[order] / T, dtype=complex),
         solutions.errors[order] / T,
         clusters,
         pieces,

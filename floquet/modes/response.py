@@ -19,7 +19,7 @@ RESPONSE_SAMPLES, MAX_PERIODS, MAX_NUMBERS = 64, 100_000, 20_000_000
 # Growth of a solution beyond which its square would leave the range of floats.
 MAX_GROWN = 1e150
 # Relative accuracy in time of the largest growth: near its top the growth is that accurate to the square of it.
-TOP_TOLERANCE = 1e-6
+GROWTH_TIME_TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,7 +168,7 @@ def _refined(
     def loss(share: float) -> float:
         return -float(np.linalg.norm(matrix(share), 2))
 
-    found = minimize_scalar(loss, bounds=(1e-9, 2.0), method="bounded", options={"xatol": TOP_TOLERANCE})
+    found = minimize_scalar(loss, bounds=(1e-9, 2.0), method="bounded", options={"xatol": GROWTH_TIME_TOLERANCE})
     share = min((float(found.x), 1.0), key=loss)
     Phi = matrix(share)
     return float(np.linalg.norm(Phi, 2)) ** 2, (start + share / samples) * pieces.period, Phi
