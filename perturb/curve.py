@@ -78,6 +78,12 @@ class TransitionCurve:
     first: Prediction
     second: Prediction | None
 
+    def __repr__(self) -> str:
+        return (
+            f"<TransitionCurve {self.label} at {self.centre:.6g}: order {self.order}, slope {self.slope:.4g}, "
+            f"tip {self.tip:.4g}, meant up to eps = {self.eps_max:.4g}>"
+        )
+
     @property
     def prediction(self) -> Prediction:
         """The region to the order of the curve."""

@@ -16,7 +16,7 @@ try:
     from compare.files import load_case, load_system
     from floquet_scripts import running
     from periodic import PeriodicSystem, SystemFamily, examples, stiffness_alone
-    from periodic.checks import real_number
+    from periodic.checks import real_number, whole_number
     from plate import MovingPlate
 except ModuleNotFoundError as error:
     if __name__ != "__main__":
@@ -65,8 +65,9 @@ def main(arguments: list[str] | None = None) -> int:
     running.steady_output()
     options = _parser().parse_args(arguments)
     try:
-        from floquet.certified import ProvedVerdict, certified_growth, uncoupled_subsystems
+        from floquet.certified import FIRST_BITS, MAX_BITS, ProvedVerdict, certified_growth, uncoupled_subsystems
 
+        bits = whole_number("--bits", options.bits, least=FIRST_BITS, most=MAX_BITS)
         systems = _systems(options)
         other = f", with {options.terms[0]} x {options.terms[1]} terms" if options.terms else ""
         decided = True
@@ -75,7 +76,7 @@ def main(arguments: list[str] | None = None) -> int:
                 sizes = [subsystem.size for subsystem in uncoupled_subsystems(family.at(Omega), eps)]
                 parts = f" = {' + '.join(map(str, sizes))}" if len(sizes) > 1 else ""
                 print(f"{title}{other} (n = {sum(sizes)}{parts})", flush=True)
-                found = certified_growth(family, Omega, eps, max_bits=options.bits)
+                found = certified_growth(family, Omega, eps, max_bits=bits)
                 print(f"  Omega = {Omega!r}, eps = {eps!r}{other}: {found.verdict} ({found.bits} bits)")
                 print(f"    {found.reason}{other}")
                 print(f"    growth rate in [{found.lower!r}, {found.upper!r}]{other}", flush=True)

@@ -31,7 +31,7 @@ try:
     from floquet_scripts import running
     from floquet_scripts.compiling import announce_compilation
     from periodic import AnyFamily, AnySystem, SystemFamily, stiffness_alone
-    from periodic.checks import one_of
+    from periodic.checks import one_of, real_number
 except ModuleNotFoundError as error:
     if __name__ != "__main__":
         raise
@@ -134,7 +134,9 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _check(options: argparse.Namespace) -> None:
-    """Refuse options that would have no effect."""
+    """Refuse options that would have no effect, and amplitudes that are none."""
+    if options.eps is not None:
+        real_number("--eps", options.eps, positive=True)
     if options.all_modes and not options.system:
         raise ValueError("--all-modes belongs to a system; add --system")
     without_effect = {"serve": ("sweep", *OPTIONS_OF_CHARTS), "sweep": ("Omega", *OPTIONS_OF_CHARTS)}

@@ -26,6 +26,7 @@ try:
     from floquet.chart import TileStore
     from floquet_scripts import running
     from floquet_scripts.compiling import announce_compilation
+    from periodic.checks import real_number
 except ModuleNotFoundError as error:
     if __name__ != "__main__":
         raise
@@ -103,6 +104,8 @@ def _subjects(options: argparse.Namespace) -> list[Subject]:
     given += ["all-modes"] if options.all_modes else []
     if given and not options.system:
         raise ValueError(f"--{given[0]} belongs to a system; add --system, or write it into a case file")
+    if options.eps is not None:
+        real_number("--eps", options.eps, positive=True)
     subjects = [Subject.of_case(load_case(path)) for path in options.case]
     for path in options.system:
         own = own_system(path, options.Omega, options.eps, all_modes=options.all_modes)

@@ -77,7 +77,7 @@ def _described(study: Study, family: SystemFamily) -> str:
         for term in member.terms:
             digest.update(repr((term.of, term.power, term.waveform)).encode())
             digest.update(np.ascontiguousarray(term.matrix).tobytes())
-        size = f"n = {member.size}, J = {member.harmonics}, matrices {digest.hexdigest()[:HASH_CHARACTERS]}"
+        size = f"n = {member.size}, {_harmonics(member.harmonics)}, matrices {digest.hexdigest()[:HASH_CHARACTERS]}"
         return f"{size}; {window}"
     terms = family.terms  # those that were used, also where the plate chose them
     used = dict(zip(TERM_NAMES, (terms.axial, terms.lateral, terms.inplane), strict=True))
@@ -88,4 +88,8 @@ def _described(study: Study, family: SystemFamily) -> str:
 
 def _load(load: EdgeLoad) -> str:
     shape = ", ".join(f"{value:.4g}" for value in load.static(DESCRIBED_PLACES))
-    return f"static load over its mean at y/b = 0, ¼, ½, ¾, 1: {shape}; J = {load.harmonics}"
+    return f"static load over its mean at y/b = 0, ¼, ½, ¾, 1: {shape}; {_harmonics(load.harmonics)}"
+
+
+def _harmonics(number: int) -> str:
+    return "1 harmonic" if number == 1 else f"{number} harmonics"

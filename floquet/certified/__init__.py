@@ -27,6 +27,8 @@ except ModuleNotFoundError:
     ) from None
 
 from floquet.certified.growth import (
+    FIRST_BITS,
+    MAX_BITS,
     CertifiedGrowth,
     ProvedVerdict,
     certified_growth,
@@ -34,4 +36,12 @@ from floquet.certified.growth import (
     uncoupled_subsystems,
 )
 
-__all__ = ["CertifiedGrowth", "ProvedVerdict", "certified_growth", "certified_monodromy", "uncoupled_subsystems"]
+__all__ = [
+    "FIRST_BITS",
+    "MAX_BITS",
+    "CertifiedGrowth",
+    "ProvedVerdict",
+    "certified_growth",
+    "certified_monodromy",
+    "uncoupled_subsystems",
+]

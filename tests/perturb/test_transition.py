@@ -347,3 +347,8 @@ def test_curves_refuse_bad_eps_and_Omega(bad: Any) -> None:
 def test_growth_rate_names_both_shapes() -> None:
     with pytest.raises(ValueError, match=r"^Omega has shape \(3,\) and eps \(2,\)"):
         curve(mathieu(), "2ω₁").growth_rate([1.0, 2.0, 3.0], [0.1, 0.2])
+
+
+def test_a_curve_in_one_line() -> None:
+    (curve,) = transition_curves(mathieu(damping=0.02), (1.5, 2.5))
+    assert repr(curve) == "<TransitionCurve 2ω₁ at 2: order 1, slope 0.5, tip 0.04, meant up to eps = 0.3>"

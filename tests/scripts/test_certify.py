@@ -146,7 +146,7 @@ def test_own_matrices(certify: Run, tmp_path: Path) -> None:
         (["--case", "no such.toml", "--at", "1,1"], "no such.toml"),
         (["--system", "no such.npz", "--at", "1,1"], "no such.npz"),
         (["--example", "mathieu", "--at", "1e-9,1"], "higher Omega"),
-        (["--example", "mathieu", "--at", "1,1", "--bits", "64"], "64"),
+        (["--example", "mathieu", "--at", "1,1", "--bits", "64"], "--bits = 64"),
         (["--example", "mathieu", "--at", "1,1", "--bits", "many"], "many"),
     ],
 )

@@ -112,7 +112,7 @@ def test_a_sweep(run: Run, tmp_path: Path) -> None:
         (["--system", "pair.npz", "--case", "two.toml"], "not allowed with argument"),
         (["--system", "pair.npz", "--Omega", 3, 2], "Omega_range = (3.0, 2.0) is empty"),
         (["--system", "pair.npz", "--Omega", "nan", 2], "Omega_range[0] = nan"),
-        (["--system", "pair.npz", "--eps", 0], "eps_max = 0.0"),
+        (["--system", "pair.npz", "--eps", 0], "--eps = 0.0"),
         (["--system", "pair.npz", "--points", 1, 1], "points = 1"),
         (["--system", "pair.npz", "--order", 3], "--order"),
         (["--system", "pair.npz", "--jobs", 0], "'0' is no number of workers"),

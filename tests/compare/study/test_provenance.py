@@ -39,7 +39,7 @@ def test_both_reports_say_how_they_were_made(study: Study, tmp_path: Path, monke
         assert date is not None
         made = datetime.strptime(date[1], "%Y-%m-%d %H:%M").replace(tzinfo=UTC)
         assert abs((made - before).total_seconds()) < 600
-        for value in ("axial_terms = 2", "lateral_terms = 3", "Ω from 15 to 28, ε to 0.2", "J = 1"):
+        for value in ("axial_terms = 2", "lateral_terms = 3", "Ω from 15 to 28, ε to 0.2", "; 1 harmonic"):
             assert value in text
 
 
@@ -71,4 +71,4 @@ def test_matrices_are_told_by_their_hash(tmp_path: Path) -> None:
         subject = system_subject(own_system(tmp_path / "mine.npz"), points=(8, 4), modes=1)
         found.add(provenance([run_study(subject, n_jobs=1, quick=True)]).parameters[0][1])
     assert len(found) == 2
-    assert all(re.search(r"n = 1, J = 1, matrices [0-9a-f]{12}; ", line) for line in found)
+    assert all(re.search(r"n = 1, 1 harmonic, matrices [0-9a-f]{12}; ", line) for line in found)
