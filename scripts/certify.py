@@ -13,9 +13,10 @@ from pathlib import Path
 from typing import Any
 
 try:
+    from beam import MovingBeam
     from compare.files import load_case, load_system
     from floquet_scripts import running
-    from periodic import PeriodicSystem, SystemFamily, examples, stiffness_alone
+    from periodic import AnyFamily, examples
     from periodic.checks import real_number, whole_number
     from plate import MovingPlate
 except ModuleNotFoundError as error:
@@ -28,11 +29,13 @@ except ModuleNotFoundError as error:
     )
     sys.exit(2)
 
-EXAMPLES: dict[str, Callable[..., PeriodicSystem]] = {
+EXAMPLES: dict[str, Callable[..., AnyFamily]] = {
     "mathieu": examples.mathieu,
     "coupled": examples.coupled_mathieu,
     "rotor": examples.gyroscopic_rotor,
     "meissner": examples.meissner,
+    "beam": MovingBeam,
+    "plate": MovingPlate,
 }
 
 EPILOG = """\
@@ -40,13 +43,17 @@ examples:
   scripts/certify.py --example mathieu --at 1.9,0.3
   scripts/certify.py --example mathieu --set delta=2.5 --set damping=0.01 --at 3.1,0.4 --at 3.2,0.4
   scripts/certify.py --example coupled --set type=difference --set frequencies=1,1.7 --at 0.7,0.5
+  scripts/certify.py --example beam --set speed=0.6 --set flexural_rigidity=0.64 --at 20,0.3
+  scripts/certify.py --example plate --set speed_amplitude=0.5 --set axial_terms=2 --at 18.6,0.3
   scripts/certify.py --case cases/fig2.toml --at 18.6,0.3
   scripts/certify.py --case cases/fig2.toml --terms 3,2 --at 18.6,0.3
   scripts/certify.py --system mine.npz --at 4.2,0.1
+  scripts/certify.py --system mine.py --at 4.2,0.1
 
-The verdict is a theorem about the ordinary differential equations with exactly these coefficients: the matrices as
-float64 numbers, Omega and eps as the float64 numbers next to the decimals given. It comes from ball arithmetic, which
-encloses every error of rounding and truncation; docs/certify.md has the proof.
+The verdict is a theorem about the ordinary differential equations with exactly these coefficients: the matrices and
+waveforms as float64 numbers, Omega and eps as the float64 numbers next to the decimals given. It comes from ball
+arithmetic, which encloses every error of rounding and truncation; docs/certify.md has the proof. Where it is about
+neighbouring coefficients, because waveforms are known within a bound or the speed pulsates, the line says so.
 
   stable     every solution is bounded for all t >= 0
   unstable   some solution grows exponentially
@@ -136,14 +143,14 @@ def _setting(text: str) -> tuple[str, Any]:
         return name, value
 
 
-def _systems(options: argparse.Namespace) -> dict[str, SystemFamily]:
+def _systems(options: argparse.Namespace) -> dict[str, AnyFamily]:
     """Return what is asked for under a title. Raises ValueError if it cannot be had."""
     if options.set and not options.example:
         raise ValueError("--set is for the parameters of --example; leave it out")
     if options.terms and not options.case:
         raise ValueError("--terms is for the plates of --case; leave it out")
     if options.system:
-        return {str(options.system): stiffness_alone(load_system(options.system), str(options.system))}
+        return {str(options.system): load_system(options.system)}
     if options.example:
         return _example(options.example, dict(options.set))
     case = load_case(options.case)
@@ -153,14 +160,23 @@ def _systems(options: argparse.Namespace) -> dict[str, SystemFamily]:
     }
 
 
-def _example(name: str, settings: dict[str, Any]) -> dict[str, SystemFamily]:
+def _example(name: str, settings: dict[str, Any]) -> dict[str, AnyFamily]:
     make = EXAMPLES[name]
-    known = inspect.signature(make).parameters
+    # a load, for one, is no value for a command line
+    known = {
+        key: parameter.default
+        for key, parameter in inspect.signature(make).parameters.items()
+        if parameter.default is parameter.empty or isinstance(parameter.default, float | int | str | tuple | None)
+    }
     for key in settings:
         if key not in known:
             raise ValueError(f"--set {key}: {name} has no such parameter; it has {', '.join(known)}")
-    values = {key: settings.get(key, parameter.default) for key, parameter in known.items()}
-    return {f"{name}({', '.join(f'{key}={value!r}' for key, value in values.items())})": make(**values)}
+    values = known | settings
+    for key, value in values.items():
+        if value is inspect.Parameter.empty:
+            raise ValueError(f"--set {key}: {name} needs this parameter; give it a value")
+    title = "plate under a uniform load" if make is MovingPlate else name
+    return {f"{title}({', '.join(f'{key}={value!r}' for key, value in values.items())})": make(**values)}
 
 
 def _with_terms(plate: MovingPlate, terms: tuple[int, int] | None) -> MovingPlate:

@@ -33,8 +33,8 @@ from floquet.certified.growth import (
     ProvedVerdict,
     certified_growth,
     certified_monodromy,
-    uncoupled_subsystems,
 )
+from floquet.certified.reading import uncoupled_subsystems
 
 __all__ = [
     "FIRST_BITS",

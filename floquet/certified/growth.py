@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
 
-import numpy as np
 from flint import arb, arb_mat, ctx
-from scipy.sparse.csgraph import connected_components
 
-from floquet.certified.enclosure import Equation, block_matrix, equation_of_motion, flow, norm
-from floquet.certified.spectrum import enclosed_spectrum, has_definite_form, largest_modulus, on_unit_circle
-from periodic import PeriodicSystem, SystemFamily, member_at, stiffness_alone
+from floquet.certified.enclosure import flow
+from floquet.certified.equation import Equation, norm
+from floquet.certified.reading import equation_of, uncoupled_subsystems
+from floquet.certified.spectrum import (
+    enclosed_spectrum,
+    has_definite_form,
+    is_definite,
+    largest_modulus,
+    on_unit_circle,
+)
+from periodic import AnyFamily, AnySystem, any_member_at
 from periodic.checks import real_number, whole_number
 
 # Working precision of the first attempt: it decides nearly every point. Each doubling costs about four times as much.
@@ -46,7 +51,10 @@ class CertifiedGrowth:
     bits : int
         Working precision at which the verdict fell, or the highest that was tried.
     reason : str
-        How it was decided, or why not.
+        How it was decided, or why not, and what the statement is about if not the matrices as given.
+    change : float
+        By how much C and the skew part of K were changed to be exactly M' and G' / 2, as a part of the largest entries;
+        zero if the system was taken as given. The bounds and the verdict are those of the system so changed.
     """
 
     lower: float
@@ -54,15 +62,17 @@ class CertifiedGrowth:
     verdict: ProvedVerdict
     bits: int
     reason: str
+    change: float = 0.0
 
 
-def certified_monodromy(family: SystemFamily, Omega: float, eps: float, *, bits: int = FIRST_BITS) -> arb_mat:
+def certified_monodromy(family: AnyFamily, Omega: float, eps: float, *, bits: int = FIRST_BITS) -> arb_mat:
     """Return a rigorous enclosure of the monodromy matrix over T = 2 pi / Omega.
 
     Parameters
     ----------
-    family : SystemFamily
-        A `PeriodicSystem`, or anything whose ``at(Omega)`` returns one; its entries are taken as exact binary numbers.
+    family : AnyFamily
+        A `PeriodicSystem`, a `FirstOrderSystem` or anything whose ``at(Omega)`` returns one; its numbers are taken as
+        exact binary numbers. Of a waveform that stands for a function, every one within its ``rest`` is enclosed.
     Omega : float
         Excitation frequency, positive, in the units of the system; exact.
     eps : float
@@ -72,25 +82,25 @@ def certified_monodromy(family: SystemFamily, Omega: float, eps: float, *, bits:
 
     Returns
     -------
-    flint.arb_mat, shape (2n, 2n)
-        Phi with q(T) = Phi q(0), q = (W', W). Its entries are balls, with the methods ``mid()`` and ``rad()``.
+    flint.arb_mat, shape (2n, 2n) or (n, n)
+        Phi with q(T) = Phi q(0) from just after t = 0, q = (W', W) or x. Its entries are balls, with the methods
+        ``mid()`` and ``rad()``.
 
     Raises
     ------
     ValueError
-        If an argument is wrong, or n and the number of steps in a period are too large for ball arithmetic.
+        If an argument is wrong, n and the number of steps in a period are too large for ball arithmetic, or the mass
+        is not proved regular at all times.
     """
     system, Omega, eps = _checked(family, Omega, eps)
     bits = whole_number("bits", bits, least=MIN_BITS, most=MAX_BITS)
     with ctx.workprec(bits):
-        equation = equation_of_motion(system, Omega, eps)
-        zero = arb_mat(system.size, system.size)
-        to_q = block_matrix([[equation.basis, zero], [zero, equation.basis / equation.scale]])
-        return to_q * flow(equation, bits) * to_q.inv()
+        equation = equation_of(system, Omega, eps, as_given=True)
+        return equation.to_state * flow(equation, bits) * equation.to_state.inv()
 
 
 def certified_growth(
-    family: SystemFamily, Omega: float, eps: float, *, max_bits: int = LAST_BITS, progress: bool = True
+    family: AnyFamily, Omega: float, eps: float, *, max_bits: int = LAST_BITS, progress: bool = True
 ) -> CertifiedGrowth:
     """Return proved bounds of the growth rate and a proved verdict, raising the precision until one falls.
 
@@ -130,42 +140,27 @@ def certified_growth(
         verdict=verdict,
         bits=max(one.bits for one in deciding),
         reason="; ".join(dict.fromkeys(one.reason for one in deciding)),
+        change=max(one.change for one in found),
     )
 
 
-def _checked(family: SystemFamily, Omega: float, eps: float) -> tuple[PeriodicSystem, float, float]:
+def _checked(family: AnyFamily, Omega: float, eps: float) -> tuple[AnySystem, float, float]:
     Omega = real_number("Omega", Omega, positive=True)
     eps = real_number("eps", eps)
-    return member_at(family, Omega, "family"), Omega, eps
+    return any_member_at(family, Omega, "family"), Omega, eps
 
 
-def uncoupled_subsystems(system: PeriodicSystem, eps: float) -> Iterator[PeriodicSystem]:
-    """Yield the subsystems that exact zeros in all matrices uncouple; their multipliers are those of the system."""
-    stiffness_alone(system)
-    constant = (system.mass, system.gyroscopic, system.damping, system.stiffness)
-    excitation = (*system.cosine, *system.sine) if eps else ()
-    coupled = np.any(np.array((*constant, *excitation)) != 0, axis=0)
-    count, label = connected_components(coupled, directed=False)
-    for number in range(count):
-        index = np.flatnonzero(label == number)
-        rows, columns = np.ix_(index, index)
-        M, G, C, K = (matrix[rows, columns] for matrix in constant)
-        Fc, Fs = (matrices[:, rows, columns] for matrices in (system.cosine, system.sine))
-        yield PeriodicSystem(M, G, C, K, Fc, Fs)
-
-
-def _growth_of_subsystem(
-    system: PeriodicSystem, Omega: float, eps: float, max_bits: int, progress: bool
-) -> CertifiedGrowth:
+def _growth_of_subsystem(system: AnySystem, Omega: float, eps: float, max_bits: int, progress: bool) -> CertifiedGrowth:
     bits = FIRST_BITS
     while True:
         with ctx.workprec(bits):
-            equation = equation_of_motion(system, Omega, eps)
-            if not equation.F:
-                # without excitation any period will do: in a short one no frequency is an alias of another
-                equation = equation._replace(Omega=4 * equation.scale)
+            equation = equation_of(system, Omega, eps)
+            if equation.is_constant:
+                # any period will do: in a short one no frequency is an alias of another
+                equation = equation._replace(Omega=4 * equation.rate)
             found = _decide(equation, flow(equation, bits, progress=progress), bits)
-        if found.verdict is not ProvedVerdict.UNDECIDED or 2 * bits > max_bits:
+        # where waveforms are known within a bound, more bits say no more
+        if found.verdict is not ProvedVerdict.UNDECIDED or 2 * bits > max_bits or equation.has_rest:
             return found
         bits *= 2
 
@@ -173,13 +168,16 @@ def _growth_of_subsystem(
 def _decide(equation: Equation, Phi: arb_mat, bits: int) -> CertifiedGrowth:
     """Return what follows from an enclosure of the monodromy matrix."""
     period = 2 * arb.pi() / equation.Omega
-    lower, upper = equation.mean_growth, norm(Phi).log() / period
+    lower, upper = _mean_growth(equation, Phi, period), norm(Phi).log() / period
+    if equation.reciprocal:
+        lower = lower.max(arb(0))
     spectrum = enclosed_spectrum(Phi)
     if spectrum is not None:
         least, most = largest_modulus(spectrum)
         upper = upper.min(most.log() / period)
         if least > 0:
             lower = lower.max(least.log() / period)
+    form, skew = equation.form, equation.skew
     if lower > 0:
         verdict, reason = ProvedVerdict.UNSTABLE, "a multiplier lies outside the unit circle"
     elif upper < 0:
@@ -189,22 +187,47 @@ def _decide(equation: Equation, Phi: arb_mat, bits: int) -> CertifiedGrowth:
             ProvedVerdict.STABLE,
             "every multiplier is simple and, as its own mirror image, on the unit circle",
         )
-    elif spectrum is not None and equation.form is not None and has_definite_form(Phi, equation.form, spectrum):
+    elif form is not None and (
+        (spectrum is not None and has_definite_form(Phi, form, spectrum)) if skew else is_definite(form)
+    ):
         verdict, reason = ProvedVerdict.STABLE, "every motion keeps a positive definite quadratic form constant"
     else:
         verdict, reason = ProvedVerdict.UNDECIDED, _obstacle(equation)
     if verdict is ProvedVerdict.STABLE and equation.reciprocal:
         lower = upper = arb(0)
-    return CertifiedGrowth(_float_below(lower), 0.0 - _float_below(-upper), verdict, bits, reason)
+    return CertifiedGrowth(
+        _float_below(lower), 0.0 - _float_below(-upper), verdict, bits, reason + _about(equation), equation.change
+    )
+
+
+def _mean_growth(equation: Equation, Phi: arb_mat, period: arb) -> arb:
+    """Return a lower bound of the growth rate: the mean over all multipliers."""
+    if equation.mean_growth is not None:
+        return equation.mean_growth
+    least = Phi.det().abs_lower()
+    return least.log() / (equation.states * period) if least > 0 else arb("-inf")
+
+
+def _about(equation: Equation) -> str:
+    """Return what the statement is about, where it is not about the matrices as given."""
+    about = ""
+    if equation.change:
+        about += (
+            "; this holds for the system with exactly C = M' and K - K^T = G', from which the given one differs by "
+            f"less than {equation.change:.1e} of its largest entries"
+        )
+    if equation.has_rest:
+        about += "; this holds for all functions that differ from the waveforms by no more than their rest"
+    return about
 
 
 def _obstacle(equation: Equation) -> str:
-    if equation.mean_growth == 0 and not equation.reciprocal:
-        return (
-            "K, F_cj or F_sj is not exactly symmetric, so that nothing holds multipliers on the unit circle; "
-            "if the asymmetry is rounding, give the symmetric parts"
-        )
-    return "multipliers within the error of the unit circle, or too close to each other on it"
+    if equation.reciprocal:
+        return "multipliers within the error of the unit circle, or too close to each other on it"
+    return (
+        "multipliers within the error of the unit circle, and the system is not exactly Hamiltonian or reversible, so "
+        "that nothing holds them there; if a matrix is symmetric but for rounding, give the symmetric part"
+    )
 
 
 def _float_below(ball: arb) -> float:

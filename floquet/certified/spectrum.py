@@ -11,7 +11,7 @@ import numpy as np
 from flint import acb, acb_mat, arb, arb_mat, ctx
 from scipy.sparse.csgraph import connected_components
 
-from floquet.certified.enclosure import norm
+from floquet.certified.equation import norm
 
 # Angles of multipliers closer than this, in radians, are one angle to the choice of an invariant form. The form then
 # need not tell them apart; if it must, they are told apart as simple multipliers.
@@ -110,6 +110,11 @@ def has_definite_form(Phi: arb_mat, J: arb_mat, spectrum: Discs) -> bool:
         polynomial = (polynomial + arb(coefficient) * arb_mat(np.eye(2 * n).tolist())) * Phi
     Y = J * polynomial
     return _is_positive_definite(Y + Y.transpose())
+
+
+def is_definite(form: arb_mat) -> bool:
+    """Return whether the symmetric matrix in this ball is proved positive or negative definite."""
+    return _is_positive_definite(form) or _is_positive_definite(-form)
 
 
 def _is_positive_definite(matrix: arb_mat) -> bool:

@@ -125,6 +125,51 @@ def test_own_matrices(certify: Run, tmp_path: Path) -> None:
     assert bounds(own) == bounds(example)
 
 
+def test_terms_of_all_matrices_from_a_file(certify: Run, tmp_path: Path) -> None:
+    """The same oscillator as two states: other names, the same growth."""
+    one, damping = np.eye(1), 0.0625 * np.eye(1)
+    np.savez(tmp_path / "second.npz", M=one, K=one, C=damping, C1s=0.5 * one, K1c=one, K2c_2=0.25 * one)
+    A, D = np.array([[0.0, 1.0], [-1.0, -0.0625]]), np.array([[0.0, 0.0], [0.0, -0.5]])
+    F = np.array([[0.0, 0.0], [-1.0, 0.0]])
+    np.savez(tmp_path / "first.npz", A=A, A1s=D, A1c=F, A2c_2=0.25 * F)
+    _, second, _ = certify("--system", str(tmp_path / "second.npz"), "--at", "2.1,0.5")
+    _, first, _ = certify("--system", str(tmp_path / "first.npz"), "--at", "2.1,0.5")
+    assert bounds(second) == pytest.approx(bounds(first), abs=1e-15)
+    assert bounds(second)[1] < -1e-3
+    assert "second.npz (n = 1)" in second
+    assert "first.npz (n = 2)" in first
+
+
+def test_waveforms_from_a_python_file(certify: Run, tmp_path: Path) -> None:
+    """Meissner's equation: the trace of the monodromy matrix in closed form."""
+    (tmp_path / "wave.py").write_text(
+        "from periodic import PeriodicSystem, Term, waveforms\n"
+        "def system():\n"
+        "    terms = [Term('stiffness', [[1.0]], waveforms.rectangular(0.5))]\n"
+        "    return PeriodicSystem([[1.0]], stiffness=[[1.0]], terms=terms)\n"
+    )
+    status, output, _ = certify("--system", str(tmp_path / "wave.py"), "--at", "2,0.5")
+    a, b, half = np.sqrt(1.5), np.sqrt(0.5), np.pi / 2
+    trace = 2 * np.cos(a * half) * np.cos(b * half) - (a / b + b / a) * np.sin(a * half) * np.sin(b * half)
+    assert status == 0
+    assert bounds(output) == pytest.approx(2 * [np.arccosh(-trace / 2) / np.pi], abs=1e-14)
+
+
+def test_pulsating_speed_is_named_with_what_was_changed(certify: Run) -> None:
+    """All parameters are in the title, and the line says about which system the sentence is."""
+    beam = ["--example", "beam", "--set", "speed=0.6", "--set", "flexural_rigidity=0.64"]
+    status, output, _ = certify(*beam, "--at", "20,0.3")
+    assert status == 0
+    assert ": stable" in output
+    assert "speed=0.6, flexural_rigidity=0.64" in output
+    assert "K - K^T = G'" in output
+    output = certify("--example", "plate", "--set", "speed_amplitude=0.5", "--set", "axial_terms=2", "--at", "60,0.3")[
+        1
+    ]
+    assert "plate under a uniform load(" in output
+    assert "speed_amplitude=0.5" in output
+
+
 @pytest.mark.parametrize(
     ("arguments", "fault"),
     [
@@ -141,6 +186,8 @@ def test_own_matrices(certify: Run, tmp_path: Path) -> None:
         (["--example", "mathieu", "--set", "delta=heavy", "--at", "1,1"], "delta = 'heavy'"),
         (["--example", "coupled", "--set", "frequencies=1,2,3", "--at", "1,1"], "two numbers"),
         (["--example", "mathieu", "--terms", "2,2", "--at", "1,1"], "--terms"),
+        (["--example", "beam", "--set", "speed=0.6", "--at", "1,1"], "--set flexural_rigidity"),
+        (["--example", "plate", "--set", "load=1", "--at", "1,1"], "--set load"),
         (["--case", "cases/fig2.toml", "--set", "speed=1", "--at", "1,1"], "--set"),
         (["--case", "cases/fig2.toml", "--terms", "2", "--at", "1,1"], "two whole numbers"),
         (["--case", "no such.toml", "--at", "1,1"], "no such.toml"),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -23,6 +25,9 @@ flint = pytest.importorskip("flint", reason="python-flint, the extra certify, is
 from flint import arb, arb_mat, ctx  # noqa: E402
 
 from floquet.certified import certified_monodromy, enclosure  # noqa: E402
+from floquet.certified.equation import block_matrix  # noqa: E402
+from floquet.certified.reading import equation_of  # noqa: E402
+from floquet.certified.steps import Plan, Steps  # noqa: E402
 
 
 @pytest.mark.parametrize("phase", ["cosine", "sine"])
@@ -62,7 +67,7 @@ def test_remainder_bounds_what_low_orders_leave_out(
     monkeypatch: pytest.MonkeyPatch, kappa: float, steps: int, radius: float, order: int
 ) -> None:
     """In the last case the series of the excitation, not that of the motion, is what is cut."""
-    monkeypatch.setattr(enclosure, "_plan", lambda equation, bits: (steps, order, arb(radius)))
+    monkeypatch.setattr(enclosure, "plan_of", lambda *_: Plan(steps, order, arb(radius)))
     found = certified_monodromy(whittaker_hill(kappa, 0.25 * kappa), OMEGA, 1.0)
     with ctx.workprec(300):
         exact = exact_whittaker_hill(kappa, 0.25 * kappa, 0.0, "cosine")
@@ -74,9 +79,12 @@ def test_remainder_bounds_what_low_orders_leave_out(
 def test_remainder_is_sharp(order: int) -> None:
     """For x'' = x the flow of a step h is its own majorant, e^h, and the best radius overestimates by sqrt(2 pi N)."""
     with ctx.workprec(128):
-        equation = enclosure.equation_of_motion(mathieu(-1.0), 4.0, 0.0)._replace(steady=arb(1))
+        found = equation_of(mathieu(-1.0), 4.0, 0.0)._replace(B=arb_mat([[1]]), scale=arb(1))
         h = arb.pi() / 2
-        bound = enclosure._remainder(equation, 1, order, (order + 1) / h)[0, 0].abs_upper()
+        step = Steps(found, Fraction(1, 2), Plan(1, order, (order + 1) / h))
+        remainder = step._remainder(Fraction(1), arb(1))
+        assert remainder is not None
+        bound = remainder[0, 0].abs_upper()
         rest = sum((h**k / arb(k).fac() for k in range(order + 1, order + 80)), arb(0))
         assert 1 < float(bound / rest) < 1.3 * np.sqrt(2 * np.pi * order)
 
@@ -90,7 +98,7 @@ def test_constant_coefficients_are_the_matrix_exponential(seed: int) -> None:
         P = inverse * (arb_mat(system.gyroscopic.tolist()) + arb_mat(system.damping.tolist()))
         Q = inverse * arb_mat(system.stiffness.tolist())
         one, zero = arb_mat(np.eye(3).tolist()), arb_mat(3, 3)
-        exact = (enclosure.block_matrix([[-P, -Q], [one, zero]]) * (2 * arb.pi() / arb(1.3))).exp()
+        exact = (block_matrix([[-P, -Q], [one, zero]]) * (2 * arb.pi() / arb(1.3))).exp()
         assert contains(found, exact)
 
 

@@ -6,7 +6,7 @@ fails for another reason than the fault would prove nothing, so the same tests a
 Each module lists those of one room. ``python -m tests.hunt.faults`` renews the table in docs/testing.md.
 """
 
-from tests.hunt.faults import beam, chart, compare, edges, oracle, periodic, perturb, plate
+from tests.hunt.faults import beam, certified, chart, compare, edges, oracle, periodic, perturb, plate
 
-ROOMS = (periodic, plate, beam, perturb, chart, oracle, edges, compare)
+ROOMS = (periodic, plate, beam, perturb, chart, oracle, certified, edges, compare)
 FAULTS = tuple(fault for room in ROOMS for fault in room.FAULTS)

@@ -97,13 +97,6 @@ FAULTS = (
         compiled=True,
     ),
     Fault(
-        "remainder of the series left out of the proof",
-        "floquet/certified/enclosure.py",
-        "[bound * arb(0, 1)] * size**2",
-        "[arb(0)] * size**2",
-        "floquet/certified/test_enclosed_monodromy.py",
-    ),
-    Fault(
         "a velocity that goes on where the mass jumps",
         "floquet/oracle/general/period.py",
         "matrix = np.asarray(np.linalg.solve(E, c.at(phase, sum(before) / 2)[0]), dtype=np.float64)",
