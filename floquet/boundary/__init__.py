@@ -13,8 +13,9 @@ A question names a resonance by a frequency; the answer holds the edges of its r
 
 The room works from the inside outwards, each step in its own module:
 
-1. `resonance` names resonances, once for the whole house;
-2. `solutions` integrates a subsystem at one point and keeps what is needed of its multipliers;
+1. `resonance` names resonances, once for the whole house, and `question` says which one a frequency means;
+2. `subsystems` takes any linear periodic system apart, `forcing` tells how strongly it is excited; `solutions`
+   integrates a subsystem at one point and keeps what is needed of its multipliers;
 3. `pair` tells the two solutions of a resonance from all others, and judges them by a function that is analytic at an
    edge; `hill` climbs to the top of that function;
 4. `follow` follows the pair from eps = 0 to the amplitude asked for, `crowd` finds what more than two states open;

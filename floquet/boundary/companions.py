@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from floquet.boundary.crowd import COINCIDENCE
+from floquet.boundary.forcing import highest_harmonic
 from floquet.boundary.region import Found, Region
-from floquet.boundary.resonance import MAX_GUESS_DISTANCE, Modes, Resonance, resonances
+from floquet.boundary.resonance import MAX_GUESS_DISTANCE, MAX_ORDER, Modes, Resonance, resonances
 from floquet.boundary.solutions import Integrator, OutOfReachError
 from floquet.boundary.walk import Edge
 from floquet.kind import Kind
-from periodic import SystemFamily
+from periodic import AnyFamily
 
 # Centres of different subsystems that differ by more than this part are never taken for coincident.
 MAX_SPLIT = 1e-3
@@ -23,17 +24,17 @@ class Place:
 
     Parameters
     ----------
-    family : SystemFamily
+    family : AnyFamily
     resonance : Resonance
         The one asked for.
     modes : Modes
     """
 
-    def __init__(self, family: SystemFamily, resonance: Resonance, modes: Modes) -> None:
+    def __init__(self, family: AnyFamily, resonance: Resonance, modes: Modes) -> None:
         self.family, self.resonance, self.modes = family, resonance, modes
         centre, subsystem = resonance.centre, modes.subsystem
         self.coupled = bool(subsystem[resonance.p - 1] == subsystem[resonance.q - 1])
-        harmonics = max(family.at(centre).harmonics, resonance.j)
+        harmonics = max(highest_harmonic(family.at(centre), MAX_ORDER), resonance.j)
         around = (1 - MAX_SPLIT) * centre, (1 + MAX_SPLIT) * centre
         self.orders = range(1, harmonics + 1)
         names = resonances(modes, around, orders=self.orders)

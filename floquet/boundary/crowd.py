@@ -7,13 +7,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from floquet.boundary.forcing import first_order_parts
 from floquet.boundary.hill import Height, climb
 from floquet.boundary.pair import Point, growing, instability, judge
 from floquet.boundary.resonance import Modes, Resonance
 from floquet.boundary.solutions import Integrator, Solutions
+from floquet.boundary.subsystems import AnySubsystem, free_matrix
 from floquet.boundary.walk import EDGE_RESOLUTION
-from floquet.oracle import Subsystem, constant_matrix, eigensystem
-from periodic import PeriodicSystem
+from floquet.oracle import eigensystem
+from periodic import AnySystem
 from periodic.checks import ComplexArray
 
 # Frequencies that agree to this part of Omega coincide.
@@ -36,8 +38,8 @@ class States(NamedTuple):
     ----------
     exponents : ndarray of complex, shape (N,)
         Those of e^{lambda t}, in conjugate pairs.
-    solutions : ndarray of complex, shape (2n, N)
-        Their initial values in (W', W).
+    solutions : ndarray of complex, shape (S, N)
+        Their initial values, as states (W', W) or x.
     coupling : ndarray of complex, shape (2 J + 1, N, N)
         First-order rates at eps = 1: [J + h, a, b] by which state b feeds state a through harmonic h.
     """
@@ -65,20 +67,16 @@ class Crowd(NamedTuple):
     spread: int
 
 
-def free_states(system: PeriodicSystem, subsystem: Subsystem) -> States:
-    """Return the states of a subsystem without excitation."""
-    values, left, right = eigensystem(constant_matrix(subsystem.equations))
+def free_states(system: AnySystem, subsystem: AnySubsystem, Omega: float) -> States:
+    """Return the states of a subsystem without excitation, and the couplings between them near a frequency."""
+    values, left, right = eigensystem(free_matrix(subsystem))
     overlap = np.einsum("ij,ij->j", left.conj(), right)
     good = np.abs(overlap) > 1 / MAX_STATE_CONDITION
     values, right, left = values[good], right[:, good], left[:, good] / overlap[good].conj()
-    n, J = system.size, system.harmonics
+    J = int(np.ceil(2 * np.abs(values.imag).max(initial=0.0) / Omega)) + 1  # no two states are further apart
     coupling = np.zeros((2 * J + 1, len(values), len(values)), complex)
-    for j in range(1, J + 1):
-        for sign in (1, -1):
-            half = -np.linalg.solve(system.mass, system.cosine[j - 1] - sign * 1j * system.sine[j - 1]) / 2
-            kick = np.zeros((2 * n, 2 * n), complex)
-            kick[:n, n:] = half
-            coupling[J + sign * j] = left.conj().T @ subsystem.from_q @ kick @ subsystem.to_q @ right
+    for h, kick in first_order_parts(system, Omega, J).items():
+        coupling[J + h] = left.conj().T @ subsystem.from_q @ kick @ subsystem.to_q @ right
     return States(values, subsystem.to_q @ right, coupling)
 
 
@@ -90,11 +88,8 @@ def gather(states: States, modes: Modes, resonance: Resonance, eps: float, secon
     exchange any two.
     """
     Omega, J = resonance.centre, len(states.coupling) // 2
-    first = modes.exponents[resonance.p - 1]
-    second = modes.exponents[resonance.q - 1]
-    if resonance.sign > 0:
-        second = second.conj()
-    members = [int(np.abs(states.exponents - exponent).argmin()) for exponent in (first, second)]
+    first, second = _exponents(modes, resonance)
+    members = _pair_among(states, first, second)
     harmonics = np.rint((states.exponents.imag - first.imag) / Omega).astype(int)
     rest = states.exponents - 1j * harmonics * Omega
     detuning = np.abs(rest[:, None] - rest)
@@ -113,10 +108,17 @@ def gather(states: States, modes: Modes, resonance: Resonance, eps: float, secon
     return Crowd(members, reach, int(np.abs(step[inner]).max()))
 
 
+def drift_of(states: States, modes: Modes, resonance: Resonance) -> float:
+    """Return d Omega / d eps of the centreline at eps = 0: what the mean of the excitation does to the frequencies."""
+    p, q = _pair_among(states, *_exponents(modes, resonance))
+    mean = states.coupling[len(states.coupling) // 2]
+    return float((mean[p, p] - mean[q, q]).imag / resonance.j)
+
+
 def scan(
     integrator: Integrator, eps: float, low: float, high: float, solutions: ComplexArray, spread: int
 ) -> list[Point]:
-    """Return points between two frequencies at which solutions in the span of ``solutions`` (2n, d) grow, by Omega.
+    """Return points between two frequencies at which solutions in the span of ``solutions`` (S, d) grow, by Omega.
 
     At least one on every hill of the test function. Two of the solutions turn by pi times ``spread`` / Omega at most
     against each other: the test function at a point tells how far from it none can meet, and intervals in which some
@@ -158,6 +160,17 @@ def _refined(value: Callable[[float], float], grid: list[float], spread: int) ->
             grid.insert(k, middle)
             heights.insert(k, value(middle))
     return grid, heights
+
+
+def _exponents(modes: Modes, resonance: Resonance) -> tuple[complex, complex]:
+    """Return the exponents of the two states that resonate."""
+    first, second = (complex(modes.exponents[number - 1]) for number in (resonance.p, resonance.q))
+    return first, second.conjugate() if resonance.sign > 0 else second
+
+
+def _pair_among(states: States, first: complex, second: complex) -> list[int]:
+    """Return the numbers of the states with two exponents."""
+    return [int(np.abs(states.exponents - exponent).argmin()) for exponent in (first, second)]
 
 
 def _value(found: Solutions, solutions: ComplexArray) -> float:

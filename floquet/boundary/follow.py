@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from floquet.boundary.forcing import Strength
 from floquet.boundary.hill import Height, climb
 from floquet.boundary.pair import Point, Reference, judge
 from floquet.boundary.solutions import Integrator, OutOfReachError
@@ -57,18 +58,26 @@ class Follower:
         Of the resonance.
     reference : Reference
         The two modes.
-    strength : float
-        Relative change of stiffness by the excitation at eps = 1.
+    strength : Strength
+        Of the excitation.
     sign : {1, -1}
         -1 if a window of stability is looked for.
+    drift : float
+        d Omega / d eps of the centreline at eps = 0.
     """
 
     def __init__(
-        self, integrator: Integrator, centre: float, j: int, reference: Reference, strength: float, sign: int
+        self,
+        integrator: Integrator,
+        centre: float,
+        j: int,
+        reference: Reference,
+        strength: Strength,
+        sign: int,
+        drift: float,
     ) -> None:
-        self.integrator, self.j, self.strength, self.sign = integrator, j, strength, sign
+        self.integrator, self.j, self.strength, self.sign, self.drift = integrator, j, strength, sign, drift
         self.within = MIN_SEARCH_FACTOR * centre, MAX_SEARCH_FACTOR * centre
-        self.spacing = STIFFNESS_CHANGE_PER_STATION / j / strength
         self.stations = [Station(0.0, centre, reference)]
         self.lost = np.inf  # the eps of the station at which the pair could not be told from others
 
@@ -80,8 +89,7 @@ class Follower:
         OutOfReachError
             If the pair is lost on the way, or nothing can be integrated there.
         """
-        while self.stations[-1].eps + self.spacing < eps < self.lost:
-            following = self.stations[-1].eps + self.spacing
+        while (following := self.after(self.stations[-1].eps, 1)) < eps < self.lost:
             try:
                 way = self._way(self.stations, following, MAX_HALVINGS)
                 self.stations.append(self._station(way, following))
@@ -91,6 +99,10 @@ class Follower:
             raise OutOfReachError
         way = self._way(self.stations, eps, MAX_HALVINGS)
         return self._top(way, eps, exact=False)
+
+    def after(self, eps: float, stations: int) -> float:
+        """Return the amplitude that is so many stations above another one."""
+        return self.strength.after(eps, stations * (STIFFNESS_CHANGE_PER_STATION / self.j))
 
     def _way(self, stations: list[Station], eps: float, halvings: int) -> list[Station]:
         """Return stations from the last of which the pair at ``eps`` can be told, in smaller steps if need be."""
@@ -115,7 +127,7 @@ class Follower:
         """
         start, reference = self._predict(stations, eps)
         self._check_within(start)
-        bend = BEND * (eps * self.strength) ** 2
+        bend = BEND * self.strength.at(eps) ** 2
         step = start * min(max(bend, MIN_TOP_STEP), MAX_TOP_STEP)
         expected = self._point(start, eps, reference)
         if self._height(expected) > 0 and not exact:
@@ -141,10 +153,11 @@ class Follower:
         """Return where the top must be, to second order in eps, and the pair at the last station."""
         below = [station for station in stations if station.eps < eps][-2:]
         last = below[-1]
+        there = last.Omega + self.drift * (eps - last.eps)
         if len(below) < 2:
-            return last.Omega, last.reference
-        slope = (last.Omega - below[0].Omega) / (last.eps**2 - below[0].eps ** 2)
-        return last.Omega + slope * (eps**2 - last.eps**2), last.reference
+            return there, last.reference
+        bend = last.Omega - below[0].Omega - self.drift * (last.eps - below[0].eps)
+        return there + bend / (last.eps**2 - below[0].eps ** 2) * (eps**2 - last.eps**2), last.reference
 
     def _point(self, Omega: float, eps: float, reference: Reference) -> Point:
         return judge(self.integrator.at(Omega, eps), reference)

@@ -26,8 +26,8 @@ class Reference(NamedTuple):
 
     Attributes
     ----------
-    solutions : ndarray of complex, shape (2n, 2)
-        Its initial values in (W', W) at a point near by.
+    solutions : ndarray of complex, shape (S, 2)
+        Its initial values at a point near by, as states (W', W) or x.
     lock : float or None
         The multiplier at which the two meet if both belong to one mode, +1 or -1.
     decay : float

@@ -7,15 +7,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from floquet.boundary.crowd import SCAN_POINTS, Crowd, States, free_states, gather, scan
+from floquet.boundary.crowd import SCAN_POINTS, Crowd, States, drift_of, free_states, gather, scan
 from floquet.boundary.follow import Follower, Top
+from floquet.boundary.forcing import strength_of
 from floquet.boundary.pair import Point, Reference, judge
 from floquet.boundary.resonance import Modes, Resonance
-from floquet.boundary.solutions import Integrator, OutOfReachError, home
+from floquet.boundary.solutions import Integrator, OutOfReachError
+from floquet.boundary.subsystems import free_subsystems, home
 from floquet.boundary.walk import EDGE_RESOLUTION, Edge, Walk
 from floquet.kind import Kind
-from floquet.oracle import modulation, reduce_system
-from periodic import SystemFamily
+from periodic import AnyFamily
 
 # Regions narrower than this part of Omega count as closed.
 MIN_OPEN_WIDTH = 10 * EDGE_RESOLUTION
@@ -29,6 +30,9 @@ FREE_GROWTH_ROUNDING = 1e-11
 MAX_SECOND_ORDER_REACH = 0.1
 # Second-order effects are known to this factor.
 SECOND_ORDER_ROOM = 2.0
+# A pair that was lost among states that second-order effects join, one by one, over more than this part of the centre
+# cannot be told from all others.
+MAX_CHAIN_REACH = 0.5
 # A window of stability is looked for at least so far from its centre, as part of it.
 MIN_WINDOW_REACH = 0.01
 
@@ -56,14 +60,14 @@ class Found(NamedTuple):
 class Region:
     """The region of a resonance of two modes of one subsystem."""
 
-    def __init__(self, family: SystemFamily, resonance: Resonance, modes: Modes) -> None:
+    def __init__(self, family: AnyFamily, resonance: Resonance, modes: Modes) -> None:
         self.resonance, self.modes = resonance, modes
-        solutions, slowest = modes.solutions(resonance), resonance.centre / (2 * np.pi)
-        self.integrator = Integrator(family, solutions[:, 0], slowest)
-        member = family.at(resonance.centre)
-        subsystem = home(reduce_system(member, 1.0, slowest), solutions[:, 0])
-        self.strength = modulation(subsystem.equations)
-        self.states: States = free_states(member, subsystem)
+        solutions, centre = modes.solutions(resonance), resonance.centre
+        self.integrator = Integrator(family, solutions[:, 0], centre / (2 * np.pi))
+        member = family.at(centre)
+        subsystem = home(free_subsystems(member, centre), solutions[:, 0])
+        self.strength = strength_of(member, subsystem, centre)
+        self.states: States = free_states(member, subsystem, centre)
         lock = (-1.0) ** resonance.j if resonance.p == resonance.q else None
         self.pair = Reference(solutions, lock, modes.decay(resonance))
         self.lost = np.inf  # the smallest eps at which the pair could not be told from others
@@ -79,7 +83,8 @@ class Region:
         """The continuation of the pair in eps."""
         resonance = self.resonance
         sign = -1 if self.is_window else 1
-        return Follower(self.integrator, resonance.centre, resonance.j, self.pair, self.strength, sign)
+        drift = drift_of(self.states, self.modes, resonance)
+        return Follower(self.integrator, resonance.centre, resonance.j, self.pair, self.strength, sign, drift)
 
     def crowd(self, eps: float) -> Crowd:
         """Return the states that resonate together."""
@@ -88,7 +93,7 @@ class Region:
 
     def at(self, eps: float) -> Found:
         """Return what there is at an amplitude."""
-        if eps == 0 or self.strength == 0:
+        if eps == 0 or not any(self.strength.sizes):
             growth_rate = float(self.states.exponents[self.crowd(0.0).members].real.max())
             return Found(Kind.COMPLEX if self.is_window else Kind.STABLE, [], growth_rate)
         try:
@@ -100,7 +105,8 @@ class Region:
             if self.is_window:
                 return self._window(eps)
             crowd = self.crowd(eps)
-            if len(crowd.members) == 2:
+            chained = eps >= self.lost and crowd.reach > MAX_CHAIN_REACH * self.resonance.centre
+            if len(crowd.members) == 2 or chained:
                 raise OutOfReachError
             points = self._scan(eps, crowd)
             return self._intervals(eps, points, crowd.reach) if points else self._closed(eps)
@@ -120,13 +126,15 @@ class Region:
 
     def _second_order(self, eps: float) -> float:
         """Return the rate of second-order effects as part of the centre."""
-        return min((eps * self.strength) ** 2 / self.resonance.j, MAX_SECOND_ORDER_REACH)
+        return min(self.strength.at(eps) ** 2 / self.resonance.j, MAX_SECOND_ORDER_REACH)
 
     def _of_pair(self, eps: float, top: Top) -> Found:
         point = top.point
         if self.is_window:
             return self._intervals(eps, [point]) if point.value <= 0 else Found(point.kind, [], point.growth_rate)
         if point.own > 0:
+            if self.resonance.p != self.resonance.q and point.kind != Kind.COMPLEX:
+                raise OutOfReachError  # one of the two modes resonates with itself instead
             return self._intervals(eps, [point])
         covered = point.value > 0 or bool(self.integrator.at(self.resonance.centre, eps).growth.max() > 0)
         told = top.likeness >= MIN_COVERED_LIKENESS

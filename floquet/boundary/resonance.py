@@ -10,9 +10,10 @@ import numpy as np
 import scipy.linalg as sla
 from numpy.typing import NDArray
 
+from floquet.boundary.subsystems import free_matrix, free_subsystems
 from floquet.kind import Kind
-from floquet.oracle import COUPLING_ROUNDING, constant_matrix, reduce_system
-from periodic import PeriodicSystem
+from floquet.oracle import COUPLING_ROUNDING
+from periodic import AnySystem, PeriodicSystem
 from periodic.checks import ComplexArray, is_positive_definite
 
 # A resonance further from `near`, relative to it, is not what was meant.
@@ -91,8 +92,8 @@ class Modes(NamedTuple):
     ----------
     exponents : ndarray of complex, shape (m,)
         i omega - decay, omega > 0.
-    vectors : ndarray of complex, shape (2n, m)
-        The modes in (W', W).
+    vectors : ndarray of complex, shape (S, m)
+        The modes as states: (W', W), or x of a first-order system.
     subsystem : ndarray of int, shape (m,)
         Number of the subsystem of each mode: two modes of different subsystems are not coupled.
     """
@@ -106,22 +107,23 @@ class Modes(NamedTuple):
         return float(-self.exponents.real[[resonance.p - 1, resonance.q - 1]].sum())
 
     def solutions(self, resonance: Resonance) -> ComplexArray:
-        """Return the two solutions that resonate, (2n, 2), at t = 0 in (W', W): those of e^{i omega_p t} and of
+        """Return the two solutions that resonate, (S, 2), as states at t = 0: those of e^{i omega_p t} and of
         e^{∓ i omega_q t}."""
         second = self.vectors[:, resonance.q - 1]
         return np.column_stack([self.vectors[:, resonance.p - 1], second.conj() if resonance.sign > 0 else second])
 
 
-def natural_modes(system: PeriodicSystem, Omega: float) -> Modes:
+def natural_modes(system: AnySystem, Omega: float) -> Modes:
     """Return the modes of a system at eps = 0; ``Omega`` is the scale of frequencies in which it is looked at.
 
     They are those of the subsystems into which the excited system splits: of two modes with equal frequency in
     different subsystems no mixture is formed.
     """
     # a system of rigid motions alone has no subsystems, and no modes
-    exponents, vectors, home = [np.zeros(0, complex)], [np.zeros((2 * system.size, 0), complex)], []
-    for number, subsystem in enumerate(reduce_system(system, 1.0, Omega / (2 * np.pi))):
-        values, columns = sla.eig(constant_matrix(subsystem.equations))
+    states = system.size * (2 if isinstance(system, PeriodicSystem) else 1)
+    exponents, vectors, home = [np.zeros(0, complex)], [np.zeros((states, 0), complex)], []
+    for number, subsystem in enumerate(free_subsystems(system, Omega)):
+        values, columns = sla.eig(free_matrix(subsystem))
         oscillating = values.imag > MIN_RELATIVE_FREQUENCY * np.abs(values).max()
         exponents.append(values[oscillating])
         vectors.append(subsystem.to_q @ columns[:, oscillating])
@@ -175,19 +177,22 @@ def nearest_resonance(
     types: Collection[str] = SIGNS,
     orders: Sequence[int] = ORDERS,
     numbers: Collection[int] = (),
+    among: Sequence[Resonance] | None = None,
 ) -> Resonance:
     """Return the resonance of one of the ``types`` and ``orders`` that ``near`` means.
 
     If ``numbers`` of modes are given, it is one between them. Of several at one place one that symmetry does not close
-    is taken.
+    is taken. ``among``: those within 5 %, if they are not all of the modes.
 
     Raises
     ------
     NoResonanceError
         If there is none within 5 % of ``near``.
     """
-    around = (1 - MAX_GUESS_DISTANCE) * near, (1 + MAX_GUESS_DISTANCE) * near
-    found = resonances(modes, around, types, orders, coupled=False)
+    found = list(among or [])
+    if among is None:
+        around = (1 - MAX_GUESS_DISTANCE) * near, (1 + MAX_GUESS_DISTANCE) * near
+        found = resonances(modes, around, types, orders, coupled=False)
     wanted = sorted(numbers)
     if len(wanted) == 1:
         found = [one for one in found if wanted[0] in (one.p, one.q)]

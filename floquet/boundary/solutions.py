@@ -6,13 +6,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from floquet.oracle import Subsystem, eigensystem, period_map, propagate, reduce_system, steps_of_period
-from periodic import PeriodicSystem, SystemFamily
+from floquet.boundary.subsystems import (
+    TRACING_TOLERANCE,
+    AnySubsystem,
+    home,
+    is_stepwise,
+    monodromy_error,
+    monodromy_matrix,
+    subsystems_at,
+)
+from floquet.oracle import eigensystem
+from periodic import AnyFamily, AnySystem
 from periodic.checks import ComplexArray, FloatArray
 
-# Tolerance of the integration, relative to the norm of the matrix. The series cost little more than at 1e-11, and an
-# edge is only as good as the multipliers.
-TRACING_TOLERANCE = 1e-13
 # Errors of the matrix where they have not been measured, in the same unit: ten times what is aimed at.
 ASSUMED_ERROR = 10 * TRACING_TOLERANCE
 # A multiplier is off the unit circle if it is so by this many of its errors.
@@ -39,7 +45,7 @@ class Solutions(NamedTuple):
         Error of log mu for an error 1 of the monodromy matrix, to first order.
     error : float
         Error of the monodromy matrix (spectral norm), assumed or measured.
-    subsystem : Subsystem
+    subsystem : Subsystem or GeneralSubsystem
     """
 
     Omega: float
@@ -48,7 +54,7 @@ class Solutions(NamedTuple):
     vectors: ComplexArray
     sensitivity: FloatArray
     error: float
-    subsystem: Subsystem
+    subsystem: AnySubsystem
 
     @property
     def growth(self) -> FloatArray:
@@ -58,7 +64,7 @@ class Solutions(NamedTuple):
         return np.where(np.abs(growth) > CLEAR_ERRORS * self.sensitivity * self.error, growth, 0.0)
 
     def initial(self, members: list[int]) -> ComplexArray:
-        """Return the initial values of some solutions in (W', W), shape (2n, count)."""
+        """Return the initial values of some solutions as states, (W', W) or x, shape (S, count)."""
         return np.asarray(self.subsystem.to_q @ self.vectors[:, members])
 
 
@@ -67,16 +73,16 @@ class Integrator:
 
     Parameters
     ----------
-    family : SystemFamily
-    solution : ndarray, shape (2n,)
-        In (W', W).
+    family : AnyFamily
+    solution : ndarray, shape (S,)
+        A state: (W', W), or x of a first-order system.
     slowest : float
         Scale of coordinates without stiffness, as in `reduce_system`.
     """
 
-    def __init__(self, family: SystemFamily, solution: ComplexArray, slowest: float) -> None:
+    def __init__(self, family: AnyFamily, solution: ComplexArray, slowest: float) -> None:
         self.family, self.solution, self.slowest = family, solution, slowest
-        self._latest: tuple[PeriodicSystem, float, Subsystem] | None = None
+        self._latest: tuple[AnySystem, float, AnySubsystem] | None = None
         self._kept: dict[tuple[float, float], Solutions] = {}
 
     def at(self, Omega: float, eps: float) -> Solutions:
@@ -89,9 +95,8 @@ class Integrator:
         """
         if (Omega, eps) not in self._kept:
             subsystem = self._subsystem(Omega, eps)
-            start = np.eye(len(subsystem.from_q))
             try:
-                Phi = propagate(subsystem, Omega, eps, steps_of_period(subsystem, Omega), TRACING_TOLERANCE, start)
+                Phi = monodromy_matrix(subsystem, Omega, eps)
             except ValueError as beyond:
                 raise OutOfReachError from beyond
             if len(self._kept) == MAX_KEPT_POINTS:
@@ -100,27 +105,26 @@ class Integrator:
             self._kept[Omega, eps] = _solutions(Omega, eps, Phi, error, subsystem)
         return self._kept[Omega, eps]
 
+    def is_exact(self, Omega: float, eps: float) -> bool:
+        """Return whether the subsystem is constant between jumps, so that its integration is exact but for rounding."""
+        return is_stepwise(self._subsystem(Omega, eps))
+
     def error(self, Omega: float, eps: float) -> float:
         """Return the measured error of the monodromy matrix at a point that `at` has reached."""
-        return float(period_map(self._subsystem(Omega, eps), Omega, eps, TRACING_TOLERANCE, halvings=0).error)
+        return monodromy_error(self._subsystem(Omega, eps), Omega, eps)
 
-    def _subsystem(self, Omega: float, eps: float) -> Subsystem:
+    def _subsystem(self, Omega: float, eps: float) -> AnySubsystem:
         """Return the subsystem at a point; reduced anew only if the system or eps has changed."""
         if Omega <= 0:
             raise OutOfReachError
         member = self.family.at(Omega)
         if self._latest is None or self._latest[0] is not member or self._latest[1] != eps:
-            subsystems = reduce_system(member, eps, self.slowest)
+            subsystems = subsystems_at(member, Omega, eps, self.slowest)
             self._latest = (member, eps, home(subsystems, self.solution))
         return self._latest[2]
 
 
-def home(subsystems: list[Subsystem], solution: ComplexArray) -> Subsystem:
-    """Return the subsystem that a solution (2n,) in (W', W) belongs to."""
-    return max(subsystems, key=lambda subsystem: float(np.linalg.norm(subsystem.from_q @ solution)))
-
-
-def _solutions(Omega: float, eps: float, Phi: FloatArray, error: float, subsystem: Subsystem) -> Solutions:
+def _solutions(Omega: float, eps: float, Phi: FloatArray, error: float, subsystem: AnySubsystem) -> Solutions:
     mu, left, right = eigensystem(Phi)
     with np.errstate(divide="ignore"):
         sensitivity = 1 / np.abs(np.einsum("ij,ij->j", left.conj(), right)) / np.abs(mu)

@@ -8,11 +8,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from floquet.boundary.companions import Place
+from floquet.boundary.forcing import highest_harmonic
+from floquet.boundary.question import asked
 from floquet.boundary.region import Found
-from floquet.boundary.resonance import MAX_ORDER, ORDERS, SIGNS, Resonance, natural_modes, nearest_resonance
+from floquet.boundary.resonance import MAX_ORDER, ORDERS, SIGNS, Resonance, natural_modes
 from floquet.boundary.walk import Edge
 from floquet.kind import Kind
-from periodic import SystemFamily, member_at
+from periodic import AnyFamily, any_member_at
 from periodic.checks import FloatArray, one_of, real_array, real_number, whole_number
 
 # More stations than these are refused: a hundred times the stiffness is far beyond any separate region.
@@ -89,7 +91,7 @@ class BoundaryTrace:
 
 
 def trace_boundary(
-    family: SystemFamily,
+    family: AnyFamily,
     near: float,
     eps: ArrayLike,
     *,
@@ -102,11 +104,12 @@ def trace_boundary(
 
     Parameters
     ----------
-    family : PeriodicSystem or SystemFamily
-        The system. Only the excitation may depend on Omega.
+    family : PeriodicSystem, FirstOrderSystem or SystemFamily
+        The system, or what gives it at each frequency.
     near : float
         Frequency of resonance, (omega_p ± omega_q) / j at eps = 0, or a guess within 5 %. Of several resonances the
-        nearest is taken, with preference for low j and for sums.
+        nearest is taken, with preference for low j and for sums. If the modes depend on Omega, they are those at the
+        resonance.
     eps : array_like, shape (k,), or float
         Excitation amplitudes >= 0, in any order. The edges at one do not depend on the others.
     type : "sum" or "difference", optional
@@ -153,21 +156,26 @@ def trace_boundary(
     if amplitudes.min() < 0:
         raise ValueError(f"eps has the entry {float(amplitudes.min())!r}; give amplitudes >= 0")
     types = SIGNS if type is None else (one_of("type", type, tuple(SIGNS)),)
-    orders = ORDERS if j is None else (whole_number("j", j, least=1, most=MAX_ORDER),)
-    modes = natural_modes(member_at(family, near, "family"), near)
-    count = max(len(modes.exponents), 1)
+    member = any_member_at(family, near, "family")
+    most = max(MAX_ORDER, highest_harmonic(member, MAX_ORDER))
+    orders = ORDERS if j is None else (whole_number("j", j, least=1, most=most),)
+    count = max(len(natural_modes(member, near).exponents), 1)
     numbers = [whole_number(name, n, least=1, most=count) for name, n in (("p", p), ("q", q)) if n is not None]
-    place = Place(family, nearest_resonance(modes, near, types, orders, numbers), modes)
+    resonance, modes = asked(family, near, types, orders, numbers)
+    place = Place(family, resonance, modes)
     _check_size(place, amplitudes)
     return _trace(near, place, amplitudes, [place.at(float(amplitude)) for amplitude in amplitudes])
 
 
 def _check_size(place: Place, eps: FloatArray) -> None:
-    largest, follower = float(eps.max()), place.own.follower if place.own and place.own.strength else None
-    if follower and largest > MAX_STATIONS * follower.spacing:
+    largest, own = float(eps.max()), place.own
+    if own is None or not any(own.strength.sizes):
+        return
+    most = own.follower.after(0.0, MAX_STATIONS)
+    if largest > most:
         raise ValueError(
             f"eps has the entry {largest!r}, which changes the stiffness by a factor of "
-            f"{largest * follower.strength:.3g}; give amplitudes below {MAX_STATIONS * follower.spacing:.3g}"
+            f"{own.strength.at(largest):.3g}; give amplitudes below {most:.3g}"
         )
 
 

@@ -12,6 +12,8 @@ from floquet.boundary.solutions import Integrator, OutOfReachError
 
 # Edges are found to this part of Omega.
 EDGE_RESOLUTION = 1e-10
+# The same of systems that are integrated exactly: those that are constant between jumps.
+EXACT_RESOLUTION = 1e-13
 # At this part of Omega beyond an edge it is checked that the subsystem is stable; gaps of half the width are no gaps.
 GAP_RESOLUTION = 1e-6
 # The pair of the next point must be at least so like that of the last (cosine of the largest angle between them).
@@ -68,6 +70,7 @@ class Walk:
     ) -> None:
         self.integrator, self.eps, self.error, self.is_window = integrator, eps, error, is_window
         self.centre, self.j = centre, j
+        self.resolution = EXACT_RESOLUTION if integrator.is_exact(centre, eps) else EDGE_RESOLUTION
 
     def edge(self, inside: Point, side: int) -> Edge:
         """Return the edge below (``side`` -1) or above (+1) a point inside.
@@ -145,20 +148,20 @@ class Walk:
             point = points[Omega]
             return point.value if isinstance(point, Point) else 1.0
 
-        zero = float(brentq(value, inside.Omega, outside.Omega, xtol=EDGE_RESOLUTION * inside.Omega))
+        zero = float(brentq(value, inside.Omega, outside.Omega, xtol=self.resolution * inside.Omega))
         within = [point for point in points.values() if isinstance(point, Point) and self._is_inside(point)]
         return zero, sorted(within, key=lambda point: abs(point.Omega - zero))
 
     def _edge_error(self, points: list[Point], edge: float) -> float:
         """Return the error of an edge, given points inside: that of the test function over its slope."""
-        far = max(abs(points[-1].Omega - edge), EDGE_RESOLUTION * edge)
+        far = max(abs(points[-1].Omega - edge), self.resolution * edge)
 
         def fitness(point: Point) -> float:
-            return float(abs(np.log(max(abs(point.Omega - edge) / far, EDGE_RESOLUTION) / SLOPE_DISTANCE)))
+            return float(abs(np.log(max(abs(point.Omega - edge) / far, self.resolution) / SLOPE_DISTANCE)))
 
         point = min(points, key=fitness)
         measured = point._replace(found=point.found._replace(error=self.error))
-        return measured.error * abs(point.Omega - edge) / abs(point.own) + EDGE_RESOLUTION * edge
+        return measured.error * abs(point.Omega - edge) / abs(point.own) + self.resolution * edge
 
     def _point(self, Omega: float, reference: Reference) -> Point | Unreachable:
         try:

@@ -98,7 +98,7 @@ def reduce_system(system: PeriodicSystem, eps: float, slowest: float) -> list[Su
     separate = [basis for basis in (elastic_basis(reference, one) for one in uncoupled) if basis.size]
     if not separate:
         return []
-    symmetric = [part for basis in separate for part in _symmetry_parts(reference, basis)]
+    symmetric = [part for basis in separate for part in symmetry_parts(reference, basis)]
     if len(symmetric) > len(separate):
         judged = _reduce_all(reference, symmetric, slowest)
         if judged[0].neglected <= MAX_SPLIT_COUPLING * min(subsystem.rate for subsystem in judged):
@@ -167,7 +167,7 @@ def _columns(basis: FloatArray, label: NDArray[np.intp]) -> list[FloatArray]:
     return [basis[:, label == c] for c in range(label.max() + 1)]
 
 
-def _symmetry_parts(matrices: FloatArray, basis: FloatArray) -> list[FloatArray]:
+def symmetry_parts(matrices: FloatArray, basis: FloatArray) -> list[FloatArray]:
     """Split the space of ``basis`` (n, m) into parts that no matrix couples, whatever coordinates it is given in.
 
     Eigenvectors of any symmetric combination of the matrices span such parts, so a random combination is tried. The

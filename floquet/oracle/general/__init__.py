@@ -13,7 +13,15 @@ exponentials where all is constant.
 [0.043213918]
 """
 
-from floquet.oracle.general.period import Parts, Passage, factors_between, largest_rate, multipliers_of, passage
+from floquet.oracle.general.period import (
+    Parts,
+    Passage,
+    factors_between,
+    largest_rate,
+    multipliers_of,
+    passage,
+    period_matrix,
+)
 from floquet.oracle.general.splitting import GeneralSubsystem, Split, split
 
 __all__ = [
@@ -25,5 +33,6 @@ __all__ = [
     "largest_rate",
     "multipliers_of",
     "passage",
+    "period_matrix",
     "split",
 ]

@@ -103,6 +103,18 @@ def passage(subsystem: GeneralSubsystem, Omega: float, eps: float, tolerance: fl
     return best
 
 
+def period_matrix(subsystem: GeneralSubsystem, Omega: float, eps: float) -> FloatArray:
+    """Integrate one subsystem over one period once, as accurately as the series go, without a measured error.
+
+    Raises
+    ------
+    ValueError
+        As `passage`.
+    """
+    c = subsystem.coefficients
+    return _product(_factors(c, Omega, eps, _rates(c), 1), Omega, eps)
+
+
 def multipliers_of(found: Passage, unknown: float) -> ProductEigenvalues:
     """Return the multipliers from the factors, small ones as accurate as large ones."""
     return product_eigenvalues(*_with_errors(_gathered(found.factors, MAX_FACTORS), found.rate, unknown))

@@ -9,7 +9,13 @@ import numpy as np
 import scipy.linalg as sla
 
 from floquet.oracle.general.coefficients import Coefficients, Part, coefficients
-from floquet.oracle.reduction import coordinate_sets, driven_scales, elastic_basis
+from floquet.oracle.reduction import (
+    MAX_SPLIT_COUPLING,
+    coordinate_sets,
+    driven_scales,
+    elastic_basis,
+    symmetry_parts,
+)
 from floquet.oracle.rigid import rigid_motions
 from periodic import AnySystem, FirstOrderSystem, PeriodicSystem, Term, check_mass, excitation, waveforms
 from periodic.checks import FloatArray
@@ -57,16 +63,44 @@ def split(system: AnySystem, Omega: float, eps: float) -> Split:
     if isinstance(system, FirstOrderSystem):
         return Split(list(_first_order(system, eps)), np.zeros((system.size, 0)))
     check_mass(system, eps)
-    matrices = _all_matrices(system)
-    bases = [elastic_basis(matrices, one) for one in coordinate_sets(np.abs(np.sign(matrices)))]
-    subsystems = [_second_order(_projected(system, basis), basis, system, Omega, eps) for basis in bases if basis.size]
+    names, matrices = _all_matrices(system)
+    bases, neglected = _independent(names, matrices, Omega)
+    subsystems = [_second_order(_projected(system, basis), basis, system, Omega, eps) for basis in bases]
+    if neglected:
+        charged = [one.coefficients._replace(unknown=one.coefficients.unknown + neglected) for one in subsystems]
+        subsystems = [one._replace(coefficients=c) for one, c in zip(subsystems, charged, strict=True)]
     return Split(subsystems, rigid_motions(matrices))
 
 
-def _all_matrices(system: PeriodicSystem) -> FloatArray:
-    """Return M, G, C, K and the matrices of everything that depends on time, (p, n, n)."""
-    constant = [system.mass, system.gyroscopic, system.damping, system.stiffness]
-    return np.array([*constant, *system.cosine, *system.sine, *(term.matrix for term in system.terms)])
+def _independent(names: list[str], matrices: FloatArray, Omega: float) -> tuple[list[FloatArray], float]:
+    """Return a basis (n, m) of each independent set of motions, and the norm of what couples them all the same.
+
+    A hidden symmetry is used if what it leaves of couplings is rounding: as a coefficient matrix in energy coordinates,
+    per unit of time, at eps = 1.
+    """
+    found = (elastic_basis(matrices, one) for one in coordinate_sets(np.abs(np.sign(matrices))))
+    separate = [basis for basis in found if basis.size]
+    symmetric = [part for basis in separate for part in symmetry_parts(matrices, basis)]
+    if len(symmetric) == len(separate):
+        return separate, 0.0
+    basis = np.hstack(symmetric)
+    label = np.repeat(np.arange(len(symmetric)), [part.shape[1] for part in symmetric])
+    inside = basis.T @ matrices @ basis
+    scale = np.sqrt(np.diag(inside[0]))
+    w = np.maximum(np.sqrt(np.abs(np.diag(inside[3]))) / scale, Omega / (2 * np.pi))
+    couplings = np.where(label[:, None] == label, 0.0, inside) / np.outer(scale, scale)
+    acts = {"mass": w, "gyroscopic": 1.0, "damping": 1.0, "stiffness": 1 / w}
+    neglected = sum(float(np.linalg.norm(X * acts[of])) for of, X in zip(names, couplings, strict=True))
+    return (symmetric, neglected) if neglected <= MAX_SPLIT_COUPLING * w.max() else (separate, 0.0)
+
+
+def _all_matrices(system: PeriodicSystem) -> tuple[list[str], FloatArray]:
+    """Return M, G, C, K and the matrices of everything that depends on time, (p, n, n), and what each belongs to."""
+    names = ["mass", "gyroscopic", "damping", "stiffness"]
+    constant = [getattr(system, name) for name in names]
+    short = [*system.cosine, *system.sine]
+    names += [*["stiffness"] * len(short), *(term.of for term in system.terms)]
+    return names, np.array([*constant, *short, *(term.matrix for term in system.terms)])
 
 
 def _projected(system: PeriodicSystem, basis: FloatArray) -> PeriodicSystem:
@@ -122,7 +156,7 @@ def _first_order(system: FirstOrderSystem, eps: float) -> Iterator[GeneralSubsys
         for j, matrix in enumerate(given, start=1)
         if matrix.any()
     ]
-    parts = [*harmonics, *((term.matrix, term.waveform, term.power) for term in system.terms)] if eps else []
+    parts = [*harmonics, *((term.matrix, term.waveform, term.power) for term in system.terms)]
     matrices = np.array([system.constant, *(matrix for matrix, _, _ in parts)])
     for basis in coordinate_sets(np.abs(np.sign(matrices))):
         inside = basis.T @ matrices @ basis
@@ -139,7 +173,7 @@ def _first_order(system: FirstOrderSystem, eps: float) -> Iterator[GeneralSubsys
             to_q=basis * scale,
             from_q=basis.T / scale[:, None],
             coefficients=coefficients(
-                constant, [Part(g, eps**p * X, zero) for X, (_, g, p) in zip(excitation, parts, strict=True)]
+                constant, [Part(g, eps**p * X, zero) for X, (_, g, p) in zip(excitation, parts, strict=True) if eps]
             ),
             reciprocal=form is not None,
             form=form,
