@@ -15,6 +15,7 @@ from compare.ladder import (
     RUNGS,
     DampingScaled,
     OutOfRangeError,
+    is_damped,
     rungs_below,
     top_rung,
 )
@@ -22,7 +23,7 @@ from compare.orders import MAX_REMAINDER, fitted_order, noise, still_falls, vani
 from compare.outcome import Basis, Outcome, RegionAgreement
 from floquet import BoundaryTrace, Kind, trace_boundary
 from floquet.boundary import NoResonanceError, natural_modes
-from periodic import SystemFamily
+from periodic import AnyFamily
 from periodic.checks import FloatArray
 from perturb import TransitionCurve, transition_curves
 
@@ -53,7 +54,7 @@ class Key(NamedTuple):
 class Theory:
     """The analytic curves of a family in a window, for any part of its damping; computed when first asked for."""
 
-    family: SystemFamily
+    family: AnyFamily
     window: tuple[float, float]
     order: Order
     types: tuple[str, ...]
@@ -89,7 +90,7 @@ class _Weighed(NamedTuple):
     reason: str
 
 
-def traced_curve(family: SystemFamily, curve: TransitionCurve, eps: ArrayLike) -> BoundaryTrace | None:
+def traced_curve(family: AnyFamily, curve: TransitionCurve, eps: ArrayLike) -> BoundaryTrace | None:
     """Return the region of a transition curve by integration; None where damping moves its frequencies so far that they
     do not belong to the curve any more."""
     try:
@@ -124,7 +125,7 @@ class _Comparison:
     def __init__(self, theory: Theory, key: Key, curve: TransitionCurve) -> None:
         self.theory, self.key, self.curve = theory, key, curve
         self.system = theory.family.at(curve.centre)
-        self.damped = bool(self.system.damping.any())
+        self.damped = is_damped(self.system)
         self.resolution = MIN_RESOLVED_GAP * curve.centre
         self.rungs: dict[float, _Rung] = {}
 
@@ -198,9 +199,11 @@ class _Comparison:
     def _rung(self, eps: float, top: float) -> _Rung:
         """Return the edges at ``eps``, where the damping is scaled as the order of the region asks for."""
         factor = (eps / top) ** self.curve.interaction if self.damped else 1.0
-        curve = self.theory.curves(factor)[self.key]
-        analytic = np.array(curve.merged_edges(eps), dtype=float)
         none = np.full(2, np.nan)
+        curve = self.theory.curves(factor).get(self.key)
+        if curve is None:  # a mode that begins to oscillate with less damping, and moves the numbers of others
+            return _Rung(none, none, none, "with less damping theory has no such resonance")
+        analytic = np.array(curve.merged_edges(eps), dtype=float)
         trace = traced_curve(DampingScaled(self.theory.family, factor), curve, eps)
         if trace is None:
             return _Rung(analytic, none, none, "damping moves the natural frequencies by more than first order allows")
@@ -210,7 +213,11 @@ class _Comparison:
         edges = np.array([trace.lower[0], trace.upper[0]])
         errors = np.array([trace.lower_error[0], trace.upper_error[0]])
         trouble = ""
-        if trace.kind[0] == Kind.UNDECIDED:
+        if trace.window == "stable":
+            trouble = (
+                "without excitation the system is unstable (perturb.stable_windows has where excitation holds it),"
+            )
+        elif trace.kind[0] == Kind.UNDECIDED:
             trouble = "integration cannot tell this region from others"
         elif trace.kind[0] > Kind.STABLE and np.isnan(edges).any():
             trouble = "integration finds no edge where instability ends"

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from periodic import PeriodicSystem, SystemFamily, stiffness_alone
+from periodic import AnyFamily, AnySystem, FirstOrderSystem, PeriodicSystem
 from periodic.checks import FloatArray
 
 # The top rung over the eps up to which the theory is meant, if nothing else asks for another one.
@@ -23,20 +23,28 @@ TOP_OVER_TIP, MIN_TOP_OVER_TIP = 1.5, 1.1
 # Rungs of a ladder at first, each half of the next, and how many are added below, one at a time, as long as the gap has
 # not come to its limit.
 RUNGS, MAX_EXTENSIONS = 4, 8
+# Rates of decay below this part of the largest entry of A are rounding.
+DECAY_ROUNDING = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
 class DampingScaled:
-    """A family with its damping matrix multiplied by ``factor``: the system on one rung."""
+    """A family with its damping matrix multiplied by ``factor``: the system on one rung.
 
-    family: SystemFamily
+    A system of first order has no damping matrix. There the decay of every motion that oscillates is multiplied.
+    """
+
+    family: AnyFamily
     factor: float
 
-    def at(self, Omega: float) -> PeriodicSystem:
+    def at(self, Omega: float) -> AnySystem:
         """Return the member at Omega."""
-        system = stiffness_alone(self.family.at(Omega), "family")
-        if self.factor == 1 or not system.damping.any():
+        system = self.family.at(Omega)
+        if self.factor == 1 or not is_damped(system):
             return system
+        if isinstance(system, FirstOrderSystem):
+            A = system.constant - (1 - self.factor) * _decay(system)
+            return FirstOrderSystem(A, system.cosine, system.sine, terms=system.terms)
         return PeriodicSystem(
             system.mass,
             system.gyroscopic,
@@ -44,7 +52,22 @@ class DampingScaled:
             system.stiffness,
             system.cosine,
             system.sine,
+            terms=system.terms,
         )
+
+
+def is_damped(system: AnySystem) -> bool:
+    """Return whether a system has a damping matrix, or, of first order, motions that oscillate and decay or grow."""
+    if isinstance(system, FirstOrderSystem):
+        return bool(np.abs(_decay(system)).max() > DECAY_ROUNDING * np.abs(system.constant).max())
+    return bool(system.damping.any())
+
+
+def _decay(system: FirstOrderSystem) -> FloatArray:
+    """Return the part of A by which motions that oscillate decay or grow."""
+    values, vectors = np.linalg.eig(system.constant)
+    rates = np.where(np.abs(values.imag) > DECAY_ROUNDING * np.abs(values).max(), values.real, 0.0)
+    return np.asarray((vectors * rates @ np.linalg.inv(vectors)).real)
 
 
 class OutOfRangeError(ValueError):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from compare.window import RIGID_FREQUENCY
-from periodic import PeriodicSystem, SystemFamily, stiffness_alone
+from periodic import AnyFamily, AnySystem, PeriodicSystem
 from periodic.checks import FloatArray
 from periodic.system import SYMMETRY_TOLERANCE
 
@@ -18,40 +18,46 @@ class ElasticPart:
 
     Attributes
     ----------
-    family : SystemFamily
+    family : AnyFamily
     basis : ndarray, shape (n, m)
         The motions that are left, orthogonal to the rigid ones with respect to mass.
     """
 
-    family: SystemFamily
+    family: AnyFamily
     basis: FloatArray
 
-    def at(self, Omega: float) -> PeriodicSystem:
+    def at(self, Omega: float) -> AnySystem:
         """Return the elastic part of the member at Omega."""
-        return _projected(stiffness_alone(self.family.at(Omega), "family"), self.basis)
+        system = self.family.at(Omega)
+        assert isinstance(system, PeriodicSystem)  # of first order nothing is set apart
+        return _projected(system, self.basis)
 
 
-def elastic_part(family: SystemFamily, Omega: float) -> tuple[SystemFamily, int]:
+def elastic_part(family: AnyFamily, Omega: float) -> tuple[AnyFamily, int]:
     """Return a family without its rigid-body motions, and how many there are.
 
     A rigid-body motion has no stiffness, and neither damping, gyroscopic coupling nor excitation acts on it or through
     it. It drifts linearly whatever the rest does, which is no instability of the excitation; left in, it makes K
-    singular and gives two multipliers that are 1. A family without such motions is returned as it is.
+    singular and gives two multipliers that are 1. A family without such motions, or of first order, is returned as it
+    is.
 
     Parameters
     ----------
-    family : SystemFamily
+    family : AnyFamily
     Omega : float
         Where the family is looked at.
     """
-    system = stiffness_alone(family.at(Omega), "family")
+    system = family.at(Omega)
+    if not isinstance(system, PeriodicSystem):
+        return family, 0
     K = system.stiffness
     if np.abs(K - K.T).max() > SYMMETRY_TOLERANCE * np.abs(K).max():
         return family, 0
     scale = np.linalg.inv(np.linalg.cholesky(system.mass)).T  # M-orthonormal columns
     values, vectors = np.linalg.eigh(scale.T @ ((K + K.T) / 2) @ scale)
     free = np.abs(values) <= RIGID_FREQUENCY**2 * np.abs(values).max()
-    others = [X for X in (system.gyroscopic, system.damping, *system.cosine, *system.sine) if X.any()]
+    given = (system.gyroscopic, system.damping, *system.cosine, *system.sine, *(term.matrix for term in system.terms))
+    others = [X for X in given if X.any()]
     rigid = scale @ vectors[:, free]
     if not free.any() or free.all() or any(_touched(X, rigid) for X in others):
         return family, 0
@@ -67,6 +73,8 @@ def _touched(matrix: FloatArray, motions: FloatArray) -> bool:
 
 
 def _projected(system: PeriodicSystem, basis: FloatArray) -> PeriodicSystem:
+    if system.terms:
+        return system.restricted(basis)
     n = basis.shape[1]
     G, C, K = (basis.T @ X @ basis for X in (system.gyroscopic, system.damping, system.stiffness))
     excitation = (basis.T @ X @ basis for X in (system.cosine, system.sine))

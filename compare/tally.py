@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from compare.outcome import Basis, Outcome, RegionAgreement, each_once
-from periodic import SystemFamily
+from periodic import AnyFamily
 from plate import MovingPlate
 
 # How a sentence names what was not compared, in this order.
@@ -45,13 +45,13 @@ class Tally:
     left: dict[Basis, int]
 
     @classmethod
-    def of(cls, judged: Iterable[tuple[SystemFamily, Iterable[RegionAgreement]]]) -> Tally:
+    def of(cls, judged: Iterable[tuple[AnyFamily, Iterable[RegionAgreement]]]) -> Tally:
         """Count the regions of several systems.
 
         A system or a region that comes twice counts once. So does a region that several resonances share: it disagrees
         if it does so under one of its names.
         """
-        regions: dict[SystemFamily, list[RegionAgreement]] = {}
+        regions: dict[AnyFamily, list[RegionAgreement]] = {}
         for family, verdicts in judged:
             regions.setdefault(identity(family), []).extend(verdicts)
         count = Counter((one.basis, one.outcome) for found in regions.values() for one in each_once(found))
@@ -96,7 +96,7 @@ class Tally:
         return {**vars(self), "left": left, "sentence": str(self)}
 
 
-def identity(family: SystemFamily) -> SystemFamily:
+def identity(family: AnyFamily) -> AnyFamily:
     """Return what is equal for two descriptions of one system: a plate with the numbers of terms that it chose."""
     if not isinstance(family, MovingPlate):
         return family

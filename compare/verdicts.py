@@ -19,12 +19,12 @@ from compare.comparison import MIN_RUNGS, Key, Theory, compare_region
 from compare.outcome import RegionAgreement, each_once
 from compare.rigid import elastic_part
 from floquet.running import gather
-from periodic import SystemFamily, member_at
+from periodic import AnyFamily, any_member_at
 from periodic.checks import grid, interval, one_of, whole_number, workers
 
 
 def agreement(
-    family: SystemFamily,
+    family: AnyFamily,
     Omega_range: tuple[float, float],
     eps: ArrayLike | None = None,
     *,
@@ -38,9 +38,10 @@ def agreement(
 
     Parameters
     ----------
-    family : SystemFamily
-        A `periodic.PeriodicSystem`, a `plate.MovingPlate`, or anything with ``at(Omega)``. Rigid-body motions that
-        nothing touches are set apart, and the modes of the rest are numbered (`compare.rigid.elastic_part`).
+    family : AnyFamily
+        A `periodic.PeriodicSystem` or `FirstOrderSystem`, a `plate.MovingPlate`, or anything with ``at(Omega)``.
+        Rigid-body motions that nothing touches are set apart, and the modes of the rest are numbered
+        (`compare.rigid.elastic_part`).
     Omega_range : (float, float)
         Window of excitation frequencies in which a region's centre must lie.
     eps : array_like, shape (k,), optional
@@ -67,10 +68,10 @@ def agreement(
     Raises
     ------
     ValueError
-        If an argument is out of range, or the stiffness is not positive definite (see `perturb.gyroscopic_modes`).
+        If an argument is out of range, or there is no theory for the system (see `perturb.transition_curves`).
     """
     window = interval("Omega_range", Omega_range, nonnegative=True)
-    member_at(family, window[1], "family")
+    any_member_at(family, window[1], "family")
     ladder = None if eps is None else grid("eps", eps, positive=True)
     if ladder is not None and ladder.size < MIN_RUNGS:
         raise ValueError(f"eps has {ladder.size} values; give at least {MIN_RUNGS}, so that an order can be fitted")
@@ -85,7 +86,7 @@ def agreement(
 
 
 def questions(
-    family: SystemFamily,
+    family: AnyFamily,
     window: tuple[float, float],
     modes: int | None,
     *,

@@ -156,7 +156,7 @@ def _systems(options: argparse.Namespace) -> dict[str, AnyFamily]:
     case = load_case(options.case)
     return {
         f"{case.title}: {label}" if label else case.title: _with_terms(plate, options.terms)
-        for label, plate in case.systems().items()
+        for label, plate in case.plates("certify").items()
     }
 
 

@@ -19,8 +19,10 @@ def plate_table(case: Case, label: str | None = None) -> tuple[str, Plate]:
     Raises
     ------
     ValueError
-        If no variant has this label.
+        If no variant has this label, or the case is about a beam.
     """
+    if case.beam is not None:
+        raise ValueError(f"sweeps and sliders vary a plate, and the case {case.name!r} is about a beam; give a plate's")
     variants = {variant.label: variant for variant in case.variants}
     chosen = case.variants[0].label if label is None else one_of("variant", label, tuple(variants))
     merged = case.plate.model_dump(exclude_none=True, mode="json") | variants[chosen].plate

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, PositiveInt, ValidationError, model_validator
 
+from beam import MovingBeam
 from plate import EdgeLoad, MovingPlate
 
 _T = TypeVar("_T", bound=BaseModel)
@@ -65,12 +66,32 @@ class Plate(_Table):
     axial_terms: PositiveInt | None = None
     lateral_terms: PositiveInt | None = None
     inplane_terms: tuple[int, int] | None = None
+    speed_amplitude: FiniteFloat | None = None
+    load_amplitude: FiniteFloat | None = None
+    derivative: Literal["partial", "material"] | None = None
     load: Load = Load()
 
     def build(self) -> MovingPlate:
         """Return the plate. Raises ValueError as `plate.MovingPlate` does."""
         given: dict[str, Any] = self.model_dump(exclude_none=True, exclude={"load"})
         return MovingPlate(**given, load=self.load.build())
+
+
+class Beam(_Table):
+    """The arguments of `beam.MovingBeam`; what is left out keeps that class's default."""
+
+    speed: FiniteFloat
+    flexural_rigidity: FiniteFloat
+    damping: FiniteFloat | None = None
+    terms: PositiveInt | None = None
+    speed_amplitude: FiniteFloat | None = None
+    tension_amplitude: FiniteFloat | None = None
+    derivative: Literal["partial", "material", "strong"] | None = None
+    viscous_damping: FiniteFloat | None = None
+
+    def build(self) -> MovingBeam:
+        """Return the beam. Raises ValueError as `beam.MovingBeam` does."""
+        return MovingBeam(**self.model_dump(exclude_none=True))
 
 
 class Chart(_Table):
@@ -88,22 +109,33 @@ class Chart(_Table):
 
 
 class Variant(_Table):
-    """One of the systems that a case compares: the case's plate with some entries replaced."""
+    """One of the systems that a case compares: the case's plate or beam with some entries replaced."""
 
     label: str
     plate: dict[str, Any] = {}
+    beam: dict[str, Any] = {}
 
 
 class Case(_Table):
-    """One figure: a plate in one or more variants, a window, and the regions to look at closely."""
+    """One figure: a plate or a beam in one or more variants, a window, and the regions to look at closely."""
 
     name: FileName = ""
     title: str
     compare: Literal["within", "beside"] = "within"
     plate: Plate = Plate()
+    beam: Beam | None = None
     chart: Chart = Chart()
     regions: Annotated[list[tuple[PositiveInt, PositiveInt]], Field(min_length=1)] = STANDARD_REGIONS
     variants: list[Variant] = [Variant(label="")]
+
+    @model_validator(mode="after")
+    def _of_one_model(self) -> Case:
+        of_plates = "plate" in self.model_fields_set or any(variant.plate for variant in self.variants)
+        if self.beam is not None and of_plates:
+            raise ValueError("the case has tables for a plate and for a beam; a case is about one of them")
+        if self.beam is None and any(variant.beam for variant in self.variants):
+            raise ValueError("a variant changes the beam, but the case has no [beam]; add it")
+        return self
 
     @model_validator(mode="after")
     def _distinct(self) -> Case:
@@ -112,30 +144,46 @@ class Case(_Table):
             raise ValueError(f"variants have the labels {labels}; give 1 to {MAX_VARIANTS}, each with its own label")
         return self
 
-    def systems(self) -> dict[str, MovingPlate]:
-        """Return each variant's plate under its label.
+    def systems(self) -> dict[str, MovingPlate | MovingBeam]:
+        """Return each variant's plate or beam under its label.
 
         Raises
         ------
         ValueError
-            If a variant's table has an unknown key or a value out of range, or its plate has fewer modes than
+            If a variant's table has an unknown key or a value out of range, or its system has fewer modes than
             ``regions`` names; the message names the variant.
         """
         return {variant.label: self._system(variant) for variant in self.variants}
 
-    def _system(self, variant: Variant) -> MovingPlate:
-        where = f"[variants.plate] of {variant.label!r}" if variant.plate else "[plate]"
-        merged = self.plate.model_dump(exclude_none=True, mode="json") | variant.plate
+    def plates(self, what: str) -> dict[str, MovingPlate]:
+        """Return each variant's plate under its label, for ``what``, which is about plates.
+
+        Raises
+        ------
+        ValueError
+            As `systems`, or if the case is about a beam.
+        """
+        if self.beam is not None:
+            raise ValueError(f"{what} is about plates, and the case {self.name!r} is about a beam; give a plate's case")
+        return {label: system for label, system in self.systems().items() if isinstance(system, MovingPlate)}
+
+    def _system(self, variant: Variant) -> MovingPlate | MovingBeam:
+        model = "plate" if self.beam is None else "beam"
+        changes: dict[str, Any] = getattr(variant, model)
+        where = f"[variants.{model}] of {variant.label!r}" if changes else f"[{model}]"
+        table = self.plate if self.beam is None else self.beam
+        merged = table.model_dump(exclude_none=True, mode="json") | changes
         try:
-            plate = _strictly(Plate, merged).build()
+            system = _strictly(type(table), merged).build()
         except ValidationError as error:
             raise ValueError(_explain(error, where)) from None
         except ValueError as error:
             raise ValueError(f"{where}: {error}") from None
-        highest, count = max(map(max, self.regions)), plate.terms.coordinates
+        count = system.terms.coordinates if isinstance(system, MovingPlate) else system.terms
+        highest = max(map(max, self.regions))
         if highest > count:
-            raise ValueError(f"regions names mode {highest}, but the plate of {where} has {count} modes only")
-        return plate
+            raise ValueError(f"regions names mode {highest}, but the {model} of {where} has {count} modes only")
+        return system
 
 
 def shipped_cases() -> list[Path]:
@@ -154,7 +202,7 @@ def load_case(path: str | Path) -> Case:
     Returns
     -------
     Case
-        Checked, its ``name`` the file's stem. Every variant's plate has been built once.
+        Checked, its ``name`` the file's stem. Every variant's system has been built once.
 
     Raises
     ------

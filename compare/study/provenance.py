@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import shlex
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
@@ -13,9 +13,10 @@ from pathlib import Path
 
 import numpy as np
 
+from beam import MovingBeam
 from compare.study.study import Study
 from floquet.running import source_hash
-from periodic import SystemFamily
+from periodic import AnyFamily, FirstOrderSystem
 from plate import EdgeLoad, MovingPlate
 
 # Characters of a hash that are printed: enough to tell one state from another.
@@ -66,24 +67,33 @@ def provenance(studies: Sequence[Study]) -> Provenance:
     )
 
 
-def _described(study: Study, family: SystemFamily) -> str:
+def _described(study: Study, family: AnyFamily) -> str:
     low, high = study.subject.window
     window = f"Ω from {low:g} to {high:g}, ε to {study.subject.eps:g}"
+    if isinstance(family, MovingBeam):
+        return f"{_numbers(family, {})}; {window}"
     if not isinstance(family, MovingPlate):
         member = family.at(high)
         digest = hashlib.sha256()
-        for name in ("mass", "gyroscopic", "damping", "stiffness", "cosine", "sine"):
+        first = isinstance(member, FirstOrderSystem)
+        for name in ("constant",) if first else ("mass", "gyroscopic", "damping", "stiffness"):
+            digest.update(np.ascontiguousarray(getattr(member, name)).tobytes())
+        for name in ("cosine", "sine"):
             digest.update(np.ascontiguousarray(getattr(member, name)).tobytes())
         for term in member.terms:
             digest.update(repr((term.of, term.power, term.waveform)).encode())
             digest.update(np.ascontiguousarray(term.matrix).tobytes())
-        size = f"n = {member.size}, {_harmonics(member.harmonics)}, matrices {digest.hexdigest()[:HASH_CHARACTERS]}"
+        size = f"n = {member.size}, {_harmonics(len(member.cosine))}, matrices {digest.hexdigest()[:HASH_CHARACTERS]}"
         return f"{size}; {window}"
     terms = family.terms  # those that were used, also where the plate chose them
     used = dict(zip(TERM_NAMES, (terms.axial, terms.lateral, terms.inplane), strict=True))
-    values = ((field.name, used.get(field.name, getattr(family, field.name))) for field in fields(family))
-    numbers = ", ".join(f"{name} = {value}" for name, value in values if isinstance(value, int | float | str | tuple))
-    return f"{numbers}; {_load(family.load)}; {window}"
+    return f"{_numbers(family, used)}; {_load(family.load)}; {window}"
+
+
+def _numbers(model: MovingPlate | MovingBeam, used: Mapping[str, object]) -> str:
+    """Return the parameters of a model that are numbers or words, those of ``used`` as they were used."""
+    values = ((field.name, used.get(field.name, getattr(model, field.name))) for field in fields(model))
+    return ", ".join(f"{name} = {value}" for name, value in values if isinstance(value, int | float | str | tuple))
 
 
 def _load(load: EdgeLoad) -> str:

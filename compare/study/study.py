@@ -21,7 +21,7 @@ from compare.verdicts import questions
 from floquet import BoundaryTrace, StabilityChart, stability_chart
 from floquet.chart import TileStore
 from floquet.running import gather, single_blas_thread
-from periodic import SystemFamily
+from periodic import AnyFamily
 from periodic.checks import FloatArray
 from perturb import TransitionCurve, transition_curves
 
@@ -45,7 +45,7 @@ class Subject:
     ----------
     name, title : str
         What its files are called, and its heading.
-    systems : dict of str to SystemFamily
+    systems : dict of str to AnyFamily
         Each system under its label; one alone has the label "".
     window, eps : (float, float), float
         Window of excitation frequencies and largest amplitude of the charts.
@@ -63,7 +63,7 @@ class Subject:
 
     name: str
     title: str
-    systems: Mapping[str, SystemFamily]
+    systems: Mapping[str, AnyFamily]
     window: tuple[float, float]
     eps: float
     points: tuple[int, int]
@@ -102,7 +102,7 @@ class SystemStudy:
     ----------
     label : str
         Name of the system; empty where the subject has only one.
-    family : SystemFamily
+    family : AnyFamily
     chart : StabilityChart
         The wide chart.
     curves : list of TransitionCurve
@@ -114,7 +114,7 @@ class SystemStudy:
     """
 
     label: str
-    family: SystemFamily
+    family: AnyFamily
     chart: StabilityChart
     curves: list[TransitionCurve]
     panels: list[tuple[TransitionCurve, BoundaryTrace]]
@@ -264,7 +264,7 @@ class _Plan:
 
     subject: Subject
     label: str
-    family: SystemFamily
+    family: AnyFamily
     curves: list[TransitionCurve]
     shown: list[TransitionCurve]
     questions: list[_Task]

@@ -8,14 +8,16 @@ from pathlib import Path
 import numpy as np
 
 from compare.files import MATRIX_NAMES, MAX_CHART_POINTS, load_system
+from compare.ladder import DECAY_ROUNDING
 from compare.rigid import elastic_part
 from compare.study.study import Subject
 from compare.study.truncation import lowest_modes
 from compare.window import MODES_SHOWN, default_window
-from periodic import AnySystem, PeriodicSystem, has_stiffness_alone, stiffness_alone
+from floquet.boundary import natural_modes
+from periodic import AnySystem, PeriodicSystem, has_stiffness_alone
 from periodic.checks import interval, real_number, whole_number
 from periodic.system import SYMMETRY_TOLERANCE
-from perturb import gyroscopic_modes, transition_curves
+from perturb import transition_curves
 
 # Columns and rows of the chart.
 CHART_POINTS = (256, 128)
@@ -78,11 +80,11 @@ def own_system(
     low, high = interval("Omega_range", window, nonnegative=True)
     window = real_number("Omega_range[0]", low, positive=True), high
     eps = real_number("eps_max", eps, positive=True)
-    if not has_stiffness_alone(system):
-        return OwnSystem(path, system, window, eps, "")
     elastic, rigid = elastic_part(system, high)
     system = elastic.at(high)
-    small, remark = (system, "") if all_modes else lowest_modes(system, window, eps)
+    small, remark = system, ""
+    if has_stiffness_alone(system) and not all_modes:
+        small, remark = lowest_modes(system, window, eps)
     if rigid:
         motions = "1 rigid-body motion is" if rigid == 1 else f"{rigid} rigid-body motions are"
         set_apart = f"{motions} set apart: without stiffness, and the excitation never touches it."
@@ -104,9 +106,7 @@ def system_subject(own: OwnSystem, *, points: tuple[int, int] = CHART_POINTS, mo
     whole_number("modes", modes, least=1)
     columns, rows = (whole_number("points", number, least=2, most=MAX_CHART_POINTS) for number in points)
     try:
-        system = stiffness_alone(own.system)
-        found = gyroscopic_modes(system)
-        curves = transition_curves(system, own.window)
+        curves = transition_curves(own.system, own.window)
     except ValueError as error:
         field = str(error).partition(" ")[0]
         name = f"{MATRIX_NAMES[field]} ({field})" if field in MATRIX_NAMES else "the system"
@@ -115,13 +115,15 @@ def system_subject(own: OwnSystem, *, points: tuple[int, int] = CHART_POINTS, mo
             "scripts/explore.py --system draws its chart without"
         ) from None
     if not any(max(curve.p, curve.q) <= modes for curve in curves):
-        lowest = ", ".join(f"{frequency:.4g}" for frequency in found.frequencies[:modes])
+        found = natural_modes(own.system, own.window[1]).exponents.imag
+        lowest = ", ".join(f"{frequency:.4g}" for frequency in found[:modes])
         raise ValueError(
             f"{own.path}: none of the regions between the {modes} lowest modes (natural frequencies {lowest}) starts "
             f"in the window, Omega from {own.window[0]:g} to {own.window[1]:g}; give another --Omega, or more --modes"
         )
     remarks = [own.remark]
-    if not found.decay.all() and _is_unsymmetric(system):
+    system = own.system
+    if has_stiffness_alone(system) and _is_unsymmetric(system) and not _is_damped_throughout(system, own.window[1]):
         remarks.append(
             "The excitation is unsymmetric and there is no damping: between the regions, too, solutions grow or decay, "
             "like ε², so that the regions have no edges. Add some damping."
@@ -136,6 +138,11 @@ def system_subject(own: OwnSystem, *, points: tuple[int, int] = CHART_POINTS, mo
         modes=modes,
         remark=" ".join(filter(None, remarks)),
     )
+
+
+def _is_damped_throughout(system: PeriodicSystem, Omega: float) -> bool:
+    exponents = natural_modes(system, Omega).exponents
+    return bool((exponents.real < -DECAY_ROUNDING * np.abs(exponents)).all())
 
 
 def _is_unsymmetric(system: PeriodicSystem) -> bool:

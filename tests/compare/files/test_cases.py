@@ -21,11 +21,11 @@ def _case(tmp_path: Path, text: str) -> Path:
 def test_every_case_that_we_ship_can_be_read(path: Path) -> None:
     case = load_case(path)
     assert case.name == path.stem
-    assert all(isinstance(plate, MovingPlate) for plate in case.systems().values())
+    assert all(isinstance(plate, MovingPlate) for plate in case.plates("this test").values())
 
 
 def test_what_is_left_out_keeps_the_default(tmp_path: Path) -> None:
-    plate = load_case(_case(tmp_path, 'title = "t"')).systems()[""]
+    plate = load_case(_case(tmp_path, 'title = "t"')).plates("this test")[""]
     assert plate.speed == MovingPlate().speed
     assert plate.inplane == MovingPlate().inplane
 
@@ -41,7 +41,7 @@ def test_a_variant_replaces_entries_of_the_plate(tmp_path: Path) -> None:
     label = "tight"
     plate = {tension = 20.0, load = {shape = "partial", parameters = {width = 0.5}}}
     """
-    systems = load_case(_case(tmp_path, text)).systems()
+    systems = load_case(_case(tmp_path, text)).plates("this test")
     assert (systems["slow"].speed, systems["slow"].tension) == (2.0, MovingPlate().tension)
     assert (systems["tight"].speed, systems["tight"].tension) == (2.0, 20.0)
     assert systems["tight"].load != systems["slow"].load

@@ -24,7 +24,7 @@ def test_the_example_can_be_read(tmp_path: Path) -> None:
     [example] = re.findall(r"^```toml\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
     path = tmp_path / "mine.toml"
     path.write_text(example, encoding="utf-8")
-    systems = load_case(path).systems()
+    systems = load_case(path).plates("this test")
     assert list(systems)[:2] == ["elastic", "damped"]
     assert systems["damped"].damping == 1e-4
     assert systems["elastic"].load.harmonics == 3
