@@ -15,6 +15,8 @@ from periodic.checks import ComplexArray, FloatArray
 
 # Phases at which the largest value of a waveform is looked for, in each of its pieces or periods of its harmonics.
 WAVEFORM_SAMPLES = 17
+# Amplitudes between stations are found to this part of themselves.
+GOAL_ROUNDING = 1e-12
 
 
 class Strength(NamedTuple):
@@ -36,9 +38,9 @@ class Strength(NamedTuple):
         if not any(higher):
             return eps + change / first
         goal = self.at(eps) + change
-        # each power alone would need at least so much
+        # one power alone would need so much, but for rounding
         most = min((goal / size) ** (1 / power) for power, size in enumerate(self.sizes, start=1) if size)
-        return float(brentq(lambda x: self.at(x) - goal, eps, max(most, eps), rtol=1e-12)) if most > eps else most
+        return float(brentq(lambda x: self.at(x) - goal, eps, (1 + GOAL_ROUNDING) * most, rtol=GOAL_ROUNDING))
 
 
 def strength_of(system: AnySystem, subsystem: AnySubsystem, Omega: float) -> Strength:
