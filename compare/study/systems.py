@@ -14,10 +14,10 @@ from compare.study.study import Subject
 from compare.study.truncation import lowest_modes
 from compare.window import MODES_SHOWN, default_window
 from floquet.boundary import natural_modes
-from periodic import AnySystem, PeriodicSystem, has_stiffness_alone
-from periodic.checks import interval, real_number, whole_number
+from periodic import AnySystem, has_stiffness_alone
+from periodic.checks import FloatArray, interval, real_number, whole_number
 from periodic.system import SYMMETRY_TOLERANCE
-from perturb import transition_curves
+from perturb import gyroscopic_modes, transition_curves
 
 # Columns and rows of the chart.
 CHART_POINTS = (256, 128)
@@ -105,8 +105,11 @@ def system_subject(own: OwnSystem, *, points: tuple[int, int] = CHART_POINTS, mo
     """
     whole_number("modes", modes, least=1)
     columns, rows = (whole_number("points", number, least=2, most=MAX_CHART_POINTS) for number in points)
+    system = own.system
     try:
-        curves = transition_curves(own.system, own.window)
+        if has_stiffness_alone(system) and not _is_unsymmetric(system.stiffness[None]):
+            gyroscopic_modes(system)  # refuses what is unstable without excitation: it has no regions
+        curves = transition_curves(system, own.window)
     except ValueError as error:
         field = str(error).partition(" ")[0]
         name = f"{MATRIX_NAMES[field]} ({field})" if field in MATRIX_NAMES else "the system"
@@ -122,8 +125,8 @@ def system_subject(own: OwnSystem, *, points: tuple[int, int] = CHART_POINTS, mo
             f"in the window, Omega from {own.window[0]:g} to {own.window[1]:g}; give another --Omega, or more --modes"
         )
     remarks = [own.remark]
-    system = own.system
-    if has_stiffness_alone(system) and _is_unsymmetric(system) and not _is_damped_throughout(system, own.window[1]):
+    excited = has_stiffness_alone(system) and _is_unsymmetric(np.concatenate([system.cosine, system.sine]))
+    if excited and not _is_damped_throughout(system, own.window[1]):
         remarks.append(
             "The excitation is unsymmetric and there is no damping: between the regions, too, solutions grow or decay, "
             "like ε², so that the regions have no edges. Add some damping."
@@ -140,10 +143,10 @@ def system_subject(own: OwnSystem, *, points: tuple[int, int] = CHART_POINTS, mo
     )
 
 
-def _is_damped_throughout(system: PeriodicSystem, Omega: float) -> bool:
+def _is_damped_throughout(system: AnySystem, Omega: float) -> bool:
     exponents = natural_modes(system, Omega).exponents
     return bool((exponents.real < -DECAY_ROUNDING * np.abs(exponents)).all())
 
 
-def _is_unsymmetric(system: PeriodicSystem) -> bool:
-    return any(np.abs(F - F.T).max() > SYMMETRY_TOLERANCE * np.abs(F).max() for F in (*system.cosine, *system.sine))
+def _is_unsymmetric(matrices: FloatArray) -> bool:
+    return any(np.abs(F - F.T).max() > SYMMETRY_TOLERANCE * np.abs(F).max() for F in matrices)

@@ -14,7 +14,7 @@ from periodic import AnySystem, FirstOrderSystem, excitation, waveforms
 from periodic.checks import ComplexArray, FloatArray
 
 # Phases at which the largest value of a waveform is looked for, in each of its pieces or periods of its harmonics.
-WAVEFORM_SAMPLES = 17
+PHASES_PER_WAVE = 17
 # Amplitudes between stations are found to this part of themselves.
 GOAL_ROUNDING = 1e-12
 
@@ -121,7 +121,7 @@ def _largest(g: waveforms.Waveform, Omega: float) -> float:
     if isinstance(g, waveforms.Impulses):
         return float(np.abs(g.weights).sum()) * Omega / (2 * np.pi)
     count = g.harmonics + 1 if isinstance(g, waveforms.Trigonometric) else len(g.pieces)
-    return float(np.abs(g.values(np.linspace(0, 2 * np.pi, WAVEFORM_SAMPLES * count))).max())
+    return float(np.abs(g.values(np.linspace(0, 2 * np.pi, PHASES_PER_WAVE * count))).max())
 
 
 def _sides(g: waveforms.Piecewise) -> list[tuple[float, float, float]]:

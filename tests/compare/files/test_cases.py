@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from beam import MovingBeam
 from compare.files.cases import load_case
 from plate import MovingPlate
 from tests.paths import ROOT
@@ -21,7 +22,8 @@ def _case(tmp_path: Path, text: str) -> Path:
 def test_every_case_that_we_ship_can_be_read(path: Path) -> None:
     case = load_case(path)
     assert case.name == path.stem
-    assert all(isinstance(plate, MovingPlate) for plate in case.plates("this test").values())
+    model = MovingPlate if case.beam is None else MovingBeam
+    assert all(isinstance(system, model) for system in case.systems().values())
 
 
 def test_what_is_left_out_keeps_the_default(tmp_path: Path) -> None:
@@ -47,9 +49,30 @@ def test_a_variant_replaces_entries_of_the_plate(tmp_path: Path) -> None:
     assert systems["tight"].load != systems["slow"].load
 
 
+def test_a_beam_and_what_changes_it(tmp_path: Path) -> None:
+    text = """
+    title = "t"
+    regions = [[1, 1]]
+    [beam]
+    speed = 2
+    flexural_rigidity = 0.64
+    [[variants]]
+    label = "damped"
+    beam = {damping = 1e-3, terms = 6}
+    """
+    case = load_case(_case(tmp_path, text))
+    assert case.systems() == {"damped": MovingBeam(2.0, 0.64, damping=1e-3, terms=6)}
+    with pytest.raises(ValueError, match=r"a sweep is about plates, and the case 'mine' is about a beam"):
+        case.plates("a sweep")
+
+
 @pytest.mark.parametrize(
     ("text", "wanted"),
     [
+        ('title = "t"\n[beam]\nspeed = 1.0', r"mine\.toml: \[beam\] flexural_rigidity: missing"),
+        ('title = "t"\n[beam]\nspeed = 1.0\nflexural_rigidity = 1.0\nmass = 1', r"\[beam\] mass: unknown key"),
+        ('title = "t"\n[plate]\n[beam]\nspeed = 1.0\nflexural_rigidity = 1.0', r"about one of them"),
+        ('title = "t"\n[[variants]]\nlabel = "a"\nbeam = {speed = 1.0}', r"no \[beam\]; add it"),
         ("", r"mine\.toml: title: missing"),
         ('title = "t"\n[plat]\n', r"mine\.toml: plat: unknown key"),
         ('title = "t"\n[plate]\nsped = 3.0', r"mine\.toml: \[plate\] sped: unknown key"),

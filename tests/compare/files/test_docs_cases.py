@@ -8,12 +8,19 @@ from pathlib import Path
 import pytest
 from pydantic import BaseModel
 
-from compare.files.cases import Case, Chart, Load, Plate, Variant, load_case
+from compare.files.cases import Beam, Case, Chart, Load, Plate, Variant, load_case
 from plate import EdgeLoad, MovingPlate
 from tests.paths import ROOT
 
 PAGE = (ROOT / "docs" / "cases.md").read_text(encoding="utf-8")
-TABLES = {"Top level": Case, "`[plate]`": Plate, "`[plate.load]`": Load, "`[chart]`": Chart, "`[[variants]]`": Variant}
+TABLES = {
+    "Top level": Case,
+    "`[plate]`": Plate,
+    "`[plate.load]`": Load,
+    "`[beam]`": Beam,
+    "`[chart]`": Chart,
+    "`[[variants]]`": Variant,
+}
 
 
 def _section(title: str) -> str:
@@ -35,7 +42,7 @@ def test_the_example_can_be_read(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("title", "model"), TABLES.items(), ids=lambda value: str(value))
 def test_every_key_is_listed_and_no_other(title: str, model: type[BaseModel]) -> None:
     listed = set(re.findall(r"^\| `(\w+)` \|", _section(title).split("| shape |")[0], re.MULTILINE))
-    sections = {"plate", "load", "chart", "variants"} if model is not Variant else set()
+    sections = {"plate", "beam", "load", "chart", "variants"} if model is not Variant else set()
     assert listed == set(model.model_fields) - sections
 
 
