@@ -22,7 +22,7 @@ from periodic import AnyFamily, AnySystem, FirstOrderSystem, any_member_at
 from periodic.checks import FloatArray
 
 # Parts into which the neighbourhood of a question is divided; in each a resonance of moving modes has one centre.
-PARTS = 10
+NEIGHBOURHOOD_PARTS = 10
 # A centre is exact to this part of it.
 CENTRE_ROUNDING = 1e-14
 
@@ -53,7 +53,7 @@ def asked(
     if member is family or _same(member, any_member_at(family, high, "family")):
         return Question(nearest_resonance(modes, near, types, orders, numbers), modes)
     count = len(modes.exponents)
-    grid = np.linspace(low, high, PARTS + 1)
+    grid = np.linspace(low, high, NEIGHBOURHOOD_PARTS + 1)
     omega = np.array([_frequencies(family, Omega, count) for Omega in grid.tolist()])
     found = []
     for type in (type for type in SIGNS if type in types):
@@ -73,7 +73,7 @@ def asked(
         frequencies = _frequencies(family, Omega, count)
         return float(j * Omega - frequencies[p - 1] - SIGNS[type] * frequencies[q - 1])
 
-    k = min(int((guess - low) / (high - low) * PARTS), PARTS - 1)
+    k = min(int((guess - low) / (high - low) * NEIGHBOURHOOD_PARTS), NEIGHBOURHOOD_PARTS - 1)
     centre = float(brentq(value, grid[k], grid[k + 1], rtol=CENTRE_ROUNDING))
     modes = natural_modes(any_member_at(family, centre, "family"), centre)
     if len(modes.exponents) != count:
