@@ -25,7 +25,7 @@ from floquet.engine.doubling.schedule import (
     quantised,
     schedule,
 )
-from floquet.engine.doubling.step import single_steps
+from floquet.engine.doubling.step import forcing_on_grid, grid_steps, single_steps
 from floquet.engine.eigen import LANE_COUNT, broadcast, fma, load, pick_le, square_root, store
 from periodic.checks import FloatArray
 
@@ -36,6 +36,7 @@ MAX_SAMPLE_CONTRAST = 30.0
 # Logarithm of the growth by which the factors of one product may differ; the smallest must not underflow.
 MAX_FACTOR_GROWTH = 100.0
 MAX_DIRECT_AMPLITUDES = 8  # that are integrated themselves; interpolation would take as many samples
+MAX_WHOLE_STATES = 16  # with which it may be cheaper to take all steps of a period than to interpolate between phases
 PAIRWISE_FACTORS = 64  # of a long product that are multiplied pairwise; the rest is multiplied one after the other
 
 
@@ -75,6 +76,7 @@ class Sampler:
         self.subsystem, self.equations, self.work = subsystem, equations, work
         self.size = len(equations.A)
         self.period = 2 * math.pi / Omega
+        self.several = np.count_nonzero(equations.strength) > 1  # harmonics
 
     @classmethod
     def of(cls, subsystem: Subsystem, Omega: float, work: Workspace) -> Sampler:
@@ -113,7 +115,7 @@ class Sampler:
         """
         x, across = self.growth(largest_amplitude(eps)), self.growth_across(float(eps[0]), float(eps[-1]))
         most = MAX_SAMPLE_ENTRIES // self.size**2
-        return _interpolation(x, across, eps.tobytes(), L, tolerance, most, self.graded)
+        return _interpolation(x, across, eps.tobytes(), L, tolerance, most, self.graded, self._few_states)
 
     def growth(self, largest: float) -> tuple[float, ...]:
         """Return bounds on the logarithm of the growth in one period by each harmonic, at the amplitude ``largest``."""
@@ -153,12 +155,17 @@ class Sampler:
             return None
         amplitudes, scale = eps / (largest or 1.0), unit_scale(len(eps))
         across = self.growth_across(largest, largest)  # none: all doublings are done for these amplitudes
-        plan = schedule(x, across, amplitudes.tobytes(), phases, B, stop, tolerance, self.graded)
+        plan = schedule(x, across, amplitudes.tobytes(), phases, B, stop, tolerance, self.graded, self._few_states)
         P = self._sample(plan, largest, L, scale)
         if stop < L:
             P, scale = self._ordered_product(P, B, sum(x), scale)
         weights = in_lanes(np.eye(len(eps)))
         return Piece(slice(0), P, weights, scale, combination_norms(P, weights)[0][: len(eps)])
+
+    @property
+    def _few_states(self) -> int:
+        """The number of states, if there are few; else 0. See `schedule`."""
+        return self.size if self.size <= MAX_WHOLE_STATES else 0
 
     def _fits(self, matrices: int, growth: float) -> bool:
         """Return whether so many matrices fit into one array, and their growth into the range of floats."""
@@ -169,8 +176,11 @@ class Sampler:
         """Return the samples at the end of a schedule; ``largest`` is the largest amplitude."""
         work = self.work.arrays(plan.max_matrices * self.size**2)
         A, left, right, _ = self.equations
-        h = self.period / 2**L
-        return _samples(A, self.subsystem.Fc, self.subsystem.Fs, left, right, h, largest, plan, scale, work)
+        h, Fc, Fs = self.period / 2**L, self.subsystem.Fc, self.subsystem.Fs
+        if self.several:  # samples begin on a grid
+            F = forcing_on_grid(Fc, Fs, int(plan.phases[0]))
+            return _samples_on_grid(A, F, left, right, h, largest, plan, scale, work)
+        return _samples(A, Fc, Fs, left, right, h, largest, plan, scale, work)
 
     def _ordered_product(self, P: FloatArray, B: int, growth: float, scale: Scale) -> tuple[FloatArray, Scale]:
         """Return the product of the B factors P(2 pi b / B), b = 0 ... B - 1, of one amplitude, some at a time.
@@ -221,6 +231,7 @@ def _interpolation(
     tolerance: float,
     max_matrices: int,
     graded: bool,
+    states: int,
 ) -> Interpolation | None:
     """Return the interpolation at the amplitudes ``cells`` (an array of floats as bytes).
 
@@ -234,7 +245,7 @@ def _interpolation(
     if count >= len(eps) or count * sum(x) / MAX_PHASE_GROWTH > max_matrices:
         return None
     points = (middle + radius * chebyshev_points(count)) / largest_amplitude(eps)
-    plan = schedule(x, across, points.tobytes(), 1, 1, L, tolerance, graded)
+    plan = schedule(x, across, points.tobytes(), 1, 1, L, tolerance, graded, states)
     if plan.max_matrices > max_matrices:
         return None
     return Interpolation(plan, in_lanes(chebyshev_weights(count, (eps - middle) / radius)))
@@ -261,6 +272,15 @@ def _samples(
     """Return what `doublings` makes of `single_steps`, in one call: for small N a call takes as long as the work."""
     N, s = A.shape[0], plan.theta.size
     single_steps(A, Fc, Fs, left, right, h, plan.theta, largest * plan.eps, work[0][: s * N * N].reshape(s, N, N))
+    return doublings(N, plan, scale, work)
+
+
+@njit(cache=True, nogil=True)
+def _samples_on_grid(A, F, left, right, h, largest, plan, scale, work):  # type: ignore[no-untyped-def]
+    """Return what `doublings` makes of `grid_steps`."""
+    N, m = A.shape[0], plan.amplitudes[0]
+    P = work[0][: plan.theta.size * N * N].reshape(plan.theta.size, N, N)
+    grid_steps(A, F, left, right, h, largest * plan.eps[:m], P)
     return doublings(N, plan, scale, work)
 
 

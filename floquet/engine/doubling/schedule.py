@@ -50,6 +50,10 @@ MAX_WATCHED_FACTORS = 8
 MAX_WANTED_POINTS = 512
 # Number of functions to begin to choose samples by, and how many functions there must be for each sample.
 MIN_TRIAL_FUNCTIONS, TRIAL_FUNCTION_SURPLUS = 64, 1.5
+# Largest number of samples at a time for which all steps of a period may be taken.
+MAX_WHOLE_SAMPLES = 2**15
+# Multiplications that take as long as the call of a product, as the rest of a step, and as a weight.
+CALL_COST, STEP_COST, WEIGHT_COST = 200, 400, 20
 # Parts of the whole growth to which the shares of the harmonics are rounded up, so that columns share their schedules.
 GROWTH_SHARES = 256
 # Distance of a phase from a sampled one, in units of their spacing, that is rounding.
@@ -159,6 +163,7 @@ def schedule(
     levels: int,
     tolerance: float,
     graded: bool = False,
+    states: int = 0,
 ) -> Schedule:
     """Plan the last ``levels`` doublings, from the last one back.
 
@@ -166,16 +171,19 @@ def schedule(
     ``amplitudes`` (an array of floats as bytes) are relative to the largest. If ``across`` is not zero, they are the
     Chebyshev points of their range, and ``across`` is the growth in one period between the middle and the ends of the
     range, one number for each power of eps. If it is zero, all doublings are done for these amplitudes. ``x`` is that
-    of `growth_bounds`. ``graded`` says that the power eps^a has the harmonics a, a - 2, ... alone.
+    of `growth_bounds`. ``graded`` says that the power eps^a has the harmonics a, a - 2, ... alone. With several
+    harmonics the number of ``states`` tells what is cheaper: to interpolate between phases, or to take all of them.
     """
     eps, theta = np.frombuffer(amplitudes), 2 * np.pi * np.arange(phases) / phases
     end, plans, grid = (phases, len(eps)), [], [True]
     theta, eps, points = np.repeat(theta, len(eps)), np.tile(eps, phases), eps
+    several = (np.count_nonzero(x) > 1 or len(across) > 1) and not graded
+    whole = several and states > 0 and phases == B
+    whole = whole and _whole_is_cheaper(x, across, len(eps), B, levels, tolerance, states)
     for _ in range(levels):
         B *= 2
-        several = (np.count_nonzero(x) > 1 or len(across) > 1) and not graded
         if grid[-1] and (sum(x) / B > MAX_PHASE_GROWTH or several or 2 * len(theta) > MAX_WANTED_POINTS):
-            plan = _grid(phases, points, x, across, B, tolerance)
+            plan = _grid(phases, points, x, across, B, tolerance, whole=whole)
             phases, points = plan.phases, plan.eps[: plan.amplitudes]
             grid.append(True)
         else:
@@ -200,14 +208,61 @@ def schedule(
     )
 
 
+def _amplitude_count(k: int, across: tuple[float, ...], B: int, tolerance: float) -> int:
+    """Return how many of ``k`` amplitudes determine the products over a B-th part of a period."""
+    return min(degree(tuple(each / B for each in across), tolerance) + 1, k) if any(across) else k
+
+
+def _whole_is_cheaper(
+    x: tuple[float, ...],
+    across: tuple[float, ...],
+    amplitudes: int,
+    B: int,
+    levels: int,
+    tolerance: float,
+    states: int,
+) -> bool:
+    """Return whether all steps of a period and all of their products cost less than interpolation between phases.
+
+    Many harmonics need many phases, and interpolation between p phases costs their square: with a few states that is
+    more than all products from the single steps on. What is counted are multiplications.
+    """
+    product, step = states**3 + CALL_COST, states**3 + STEP_COST
+    whole = interpolated = 0.0
+    phases, k = B, amplitudes
+    for _ in range(levels):
+        B *= 2
+        p, m = phase_count(B, x, tolerance), _amplitude_count(k, across, B, tolerance)
+        whole += B / 2 * k * product
+        if B * k > MAX_WHOLE_SAMPLES:
+            return False
+        interpolated += phases * k * product
+        if p < B:
+            interpolated += 2 * phases * p * (k * states**2 + WEIGHT_COST)
+        phases, k = p, m
+    return whole + B * k * step < interpolated + phases * k * step
+
+
 def _grid(
-    phases: int, points: FloatArray, x: tuple[float, ...], across: tuple[float, ...], B: int, tolerance: float
+    phases: int,
+    points: FloatArray,
+    x: tuple[float, ...],
+    across: tuple[float, ...],
+    B: int,
+    tolerance: float,
+    *,
+    whole: bool,
 ) -> _Doubling:
-    """Return the doubling that ends with the amplitudes ``points`` at ``phases`` and begins with a grid."""
-    k, p = len(points), phase_count(B, x, tolerance)
-    m, across_amplitudes = k, np.empty((0, 0))
-    if any(across):
-        m = min(degree(tuple(each / B for each in across), tolerance) + 1, k)
+    """Return the doubling that ends with the amplitudes ``points`` at ``phases`` and begins with a grid.
+
+    ``whole``: with as many phases as there are parts of the period, so that none is interpolated.
+    """
+    k, needed = len(points), phase_count(B, x, tolerance)
+    p, m, across_amplitudes = (
+        B if whole else needed,
+        _amplitude_count(len(points), across, B, tolerance),
+        np.empty((0, 0)),
+    )
     if m != k:
         relative = chebyshev_points(k)
         across_amplitudes = exact_for_constants(chebyshev_weights(m, relative))
@@ -220,7 +275,7 @@ def _grid(
     added = wanted[~sampled] * (2 * np.pi / p)
     across_phases = exact_for_constants(trigonometric_weights(p, added)) if p != B else np.empty((0, p))
     theta = np.repeat(2 * np.pi * np.arange(p) / p, m)
-    return _Doubling(theta, np.tile(points, p), p, m, k, across_amplitudes, across_phases, pairs, watched=p == B)
+    return _Doubling(theta, np.tile(points, p), p, m, k, across_amplitudes, across_phases, pairs, watched=needed == B)
 
 
 def _scattered(theta: FloatArray, eps: FloatArray, x: FloatArray, B: int, tolerance: float, graded: bool) -> _Doubling:

@@ -9,6 +9,7 @@ from floquet.engine.eigen import MAX_LANE_ROW, broadcast, fma, load_row, store_r
 from periodic.checks import FloatArray
 
 MAX_SERIES_NORM = 0.5  # of the matrix whose exponential is summed as a Taylor series
+MAX_LOOP_ENTRIES = 32  # of a matrix that is multiplied without BLAS
 SERIES_TOLERANCE = 1e-18  # bound on the first term of the series that is left out
 
 
@@ -116,3 +117,54 @@ def single_steps(
         for r in range(N):
             for c in range(n):
                 P[i, r, c] += moved[r, c]
+
+
+def forcing_on_grid(Fc: FloatArray, Fs: FloatArray, phases: int) -> FloatArray:
+    """Return sum_j [F_cj cos j theta + F_sj sin j theta] at so many equispaced phases from 0 on, (phases, n, n)."""
+    J, n = len(Fc), Fc.shape[1]
+    coefficients = np.zeros((phases, n, n), complex)
+    np.add.at(coefficients, np.arange(1, J + 1) % phases, Fc - 1j * Fs)  # equal where the grid tells no difference
+    return np.ascontiguousarray(np.fft.ifft(coefficients, axis=0, norm="forward").real)
+
+
+@njit(cache=True, nogil=True)
+def grid_steps(
+    A: FloatArray, F: FloatArray, left: FloatArray, right: FloatArray, h: float, eps: FloatArray, P: FloatArray
+) -> None:
+    """Write the steps of `single_steps` at equispaced phases and the amplitudes ``eps`` (m,) into P (p m, N, N).
+
+    ``F`` (p, n, n) is the forcing. The products with it are shared by all amplitudes of a phase.
+    """
+    N, m = A.shape[0], eps.size
+    n = N // 2
+    E = exponential(h * A)
+    E2 = E[:, n:].copy()
+    once, twice = np.empty((n, n)), np.empty((n, n))
+    linear, quadratic = np.empty((N, n)), np.empty((N, n))
+    for i in range(F.shape[0]):
+        small_product(F[i], F[i], twice)
+        for r in range(n):
+            for c in range(n):
+                once[r, c] = -h * left[r] * F[i, r, c] * right[c]
+                twice[r, c] *= h**3 / 12.0 * left[r] * right[c]
+        small_product(E2, once, linear)
+        small_product(E2, twice, quadratic)
+        for a in range(m):
+            P[i * m + a] = E
+            for r in range(N):
+                for c in range(n):
+                    P[i * m + a, r, c] += eps[a] * (linear[r, c] + eps[a] * quadratic[r, c])
+
+
+@njit(cache=True, nogil=True)
+def small_product(X: FloatArray, Y: FloatArray, out: FloatArray) -> None:
+    """Write X Y into ``out``; BLAS would take longer to begin than to multiply a few numbers."""
+    if X.size > MAX_LOOP_ENTRIES:
+        np.dot(X, Y, out)
+        return
+    for r in range(X.shape[0]):
+        for c in range(Y.shape[1]):
+            total = 0.0
+            for k in range(X.shape[1]):
+                total += X[r, k] * Y[k, c]
+            out[r, c] = total

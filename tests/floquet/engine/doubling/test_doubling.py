@@ -20,7 +20,7 @@ from floquet.engine.column import ROUNDINGS_PER_STEP
 from floquet.engine.doubling.doubling import doublings, unit_scale
 from floquet.engine.doubling.interpolation import chebyshev_points, chebyshev_weights, degree, trigonometric_weights
 from floquet.engine.doubling.schedule import INTERPOLATION_TOLERANCE, Schedule, growth_bounds, schedule
-from floquet.engine.doubling.step import exponential, single_steps
+from floquet.engine.doubling.step import exponential, forcing_on_grid, grid_steps, single_steps
 from periodic import PeriodicSystem
 from periodic.checks import FloatArray
 from periodic.examples import mathieu
@@ -54,6 +54,15 @@ def sampled(
     """Monodromy matrices of a subsystem at ``eps`` from the pieces of a `Sampler`."""
     sampler = Sampler(subsystem, equations(subsystem, 0.01), Omega, Workspace())
     return sampler.matrices(np.asarray(eps), L, tolerance)
+
+
+def many_harmonics(J: int, n: int = 1) -> PeriodicSystem:
+    """A damped system with J harmonics, cosines and sines, that fall like 1 / j."""
+    rng = np.random.default_rng(J)
+    cosine, sine = rng.standard_normal((2, J, n, n)) / np.arange(1, J + 1)[:, None, None]
+    return PeriodicSystem(
+        np.eye(n), damping=0.02 * np.eye(n), stiffness=np.diag(1.0 + np.arange(n)), cosine=cosine, sine=sine
+    )
 
 
 # ---- the single step ----
@@ -316,3 +325,42 @@ def test_cancellation_is_noted() -> None:
         losses.append(scale.losses[0])
     assert losses[0] == pytest.approx(1, rel=1e-14)
     assert losses[1] == pytest.approx(1e8 / 2, rel=1e-6)
+
+
+# ---- many harmonics ----
+
+
+@pytest.mark.parametrize(("J", "n", "phases"), [(3, 2, 16), (7, 1, 9), (5, 4, 8), (9, 6, 64)])
+def test_steps_on_a_grid_are_the_single_steps(J: int, n: int, phases: int) -> None:
+    """Also where the grid is too coarse to tell all harmonics apart."""
+    subsystem, *others = subsystems(many_harmonics(J, n))
+    assert not others
+    free, h, eps = equations(subsystem, 0.01), 0.03, np.array([-0.4, 0.0, 0.7])
+    theta = np.repeat(2 * np.pi * np.arange(phases) / phases, 3)
+    P, Q = np.empty((2, 3 * phases, 2 * n, 2 * n))
+    F = forcing_on_grid(subsystem.Fc, subsystem.Fs, phases)
+    grid_steps(free.A, F, free.left, free.right, h, eps, P)
+    single_steps(free.A, subsystem.Fc, subsystem.Fs, free.left, free.right, h, theta, np.tile(eps, phases), Q)
+    np.testing.assert_allclose(P, Q, rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize("J", [2, 9, 60])
+def test_whole_periods_and_interpolation_agree(J: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With many harmonics all steps are taken, with few phases are interpolated; either way the point is the same."""
+    system, Omega, eps = many_harmonics(J), 1.7, np.linspace(-0.1, 0.3, 60)
+    (subsystem,) = subsystems(system)
+    L = 12
+    plans, found = [], []
+    for states in (0, 2):
+        monkeypatch.setattr(floquet.engine.doubling.sampling, "MAX_WHOLE_STATES", states)
+        sampler = Sampler(subsystem, equations(subsystem, 0.01), Omega, Workspace())
+        plans.append(sampler.plan(eps, L, INTERPOLATION_TOLERANCE))
+        found.append(sampler.matrices(eps, L, INTERPOLATION_TOLERANCE))
+    interpolated, chosen = (plan.schedule.added_phases.sum() for plan in plans if plan is not None)
+    assert interpolated > 0
+    assert (chosen == 0) == (J > 9)
+    np.testing.assert_allclose(found[1], found[0], rtol=0, atol=1e-11)
+    for i in (0, 59):
+        mu = np.sort(np.abs(np.linalg.eigvals(found[1][i])))
+        expected = np.sort(np.abs(monodromy(system, Omega, float(eps[i])).multipliers))
+        np.testing.assert_allclose(mu, expected, rtol=1e-7)
