@@ -108,7 +108,8 @@ def polynomials(g: Callable[[float], float], places: list[float]) -> Pieces:
     while spans:
         a, b, halvings = spans.pop()
         values = called(g, 2 * np.pi * (a + (b - a) * (x + 1) / 2))
-        series = to_series @ values
+        series = to_series @ (values - values[0])  # of a constant nothing is left, not even rounding
+        series[0] += values[0]
         size = max(size, float(np.abs(values).max()))
         tail = float(np.abs(series[-3:]).max())
         if tail > SERIES_ROUNDING * size:

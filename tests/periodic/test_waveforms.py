@@ -139,3 +139,18 @@ def test_impulses_at_one_phase_are_added() -> None:
 def test_refusals(make: Callable[[], Waveform], says: str) -> None:
     with pytest.raises(ValueError, match=says):
         make()
+
+
+def test_a_function_that_is_constant_between_jumps_is_so_exactly() -> None:
+    """A mesh of teeth: rounding of the fit would turn one exponential for each piece into many steps."""
+    teeth, duty = 23, 0.6
+    starts = np.arange(teeth) / teeth
+
+    def mesh(theta: float) -> float:
+        return 1.0 if (theta / (2 * np.pi) * teeth) % 1.0 < duty else -duty / (1 - duty)
+
+    found = waveforms.function(mesh, np.sort(np.concatenate([starts, starts + duty / teeth])))
+    assert isinstance(found, waveforms.Piecewise)
+    assert found.is_constant_between_jumps
+    assert len(found.pieces) == 2 * teeth
+    assert {piece[0] for piece in found.pieces} == {1.0, -duty / (1 - duty)}
