@@ -1,7 +1,8 @@
 """Theory against integration: agreement in numbers, overlays in pictures.
 
 `agreement` traces the two edges of every region by integration and compares them with the analytic curves, on a ladder
-of amplitudes. `overlay` draws both.
+of amplitudes. `overlay` draws both; `plot` draws one thing, whatever it
+is.
 
 >>> from compare import agreement
 >>> from periodic.examples import mathieu
@@ -17,9 +18,9 @@ suggests where to look.
 """
 
 from compare.outcome import Basis, Outcome, RegionAgreement
-from compare.pictures import overlay
+from compare.pictures import animate, overlay, plot
 from compare.tally import Tally
 from compare.verdicts import agreement
 from compare.window import default_window
 
-__all__ = ["Basis", "Outcome", "RegionAgreement", "Tally", "agreement", "default_window", "overlay"]
+__all__ = ["Basis", "Outcome", "RegionAgreement", "Tally", "agreement", "animate", "default_window", "overlay", "plot"]

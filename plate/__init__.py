@@ -41,6 +41,7 @@ from plate.inplane import InPlaneFrequencies, StressField
 from plate.loads import WAVEFORMS, EdgeLoad
 from plate.moving_plate import MovingPlate
 from plate.terms import Terms
+from plate.transverse import deflection
 
 __all__ = [
     "WAVEFORMS",
@@ -52,4 +53,5 @@ __all__ = [
     "MovingPlate",
     "StressField",
     "Terms",
+    "deflection",
 ]

@@ -197,3 +197,28 @@ def uncoupled_parities(F: NumericArray, lateral: int) -> NumericArray:
 def _products(test: FloatArray, trial: FloatArray, weights: FloatArray) -> FloatArray:
     """Return test_i trial_k at each node times its weight, shape (nodes, test functions * trial functions)."""
     return (weights[:, None, None] * test[:, :, None] * trial[:, None, :]).reshape(weights.size, -1)
+
+
+def deflection(W: NumericArray, axial: int, lateral: int, r: float, X: FloatArray, Y: FloatArray) -> NumericArray:
+    """Return the deflection w of coordinates W at places, eq. (9).
+
+    Parameters
+    ----------
+    W : ndarray, shape (..., axial * lateral)
+        Coordinates of the plate's system.
+    axial, lateral : int
+        ``plate.terms.axial`` and ``plate.terms.lateral``.
+    r : float
+        ``plate.aspect_ratio``.
+    X : ndarray, shape (p,)
+        x/b from 0 to r.
+    Y : ndarray, shape (q,)
+        y/b from 0 to 1.
+
+    Returns
+    -------
+    ndarray, shape (..., q, p)
+        Rows follow y.
+    """
+    coordinates = np.asarray(W).reshape(*np.shape(W)[:-1], axial, lateral)
+    return np.einsum("...kl,pk,ql->...qp", coordinates, sines(X, axial, r), legendre(Y, lateral))

@@ -1,8 +1,9 @@
 """Pictures: the growth rates of a chart under traced edges and analytic curves.
 
-`overlay` draws all three in one picture; `region_panels` and `variant_panels` set regions or systems side by side, as
-the paper's figures do; `draw_plate` draws the plate itself. They are put together from the `layers` and the `labels`,
-in one `style` and one set of `colours`.
+`plot` draws one thing, whatever it is; `animate` moves a mode of the plate. `overlay` draws chart, edges and curves in
+one picture; `region_panels` and `variant_panels` set regions or systems side by side, as the paper's figures do;
+`draw_plate` draws the plate itself. They are put together from the `layers` and the `labels`, in one `style` and one
+set of `colours`.
 
 >>> import numpy as np
 >>> from compare.pictures import overlay
@@ -18,9 +19,11 @@ As the last value of a notebook's cell a picture shows itself; ``picture.savefig
 """
 
 from compare.pictures.colours import GROWTH_MAP, GROWTH_PALETTE, UNDECIDED_GREY
+from compare.pictures.fields import animate
 from compare.pictures.layers import draw_curves, draw_growth, draw_traces, legend_handles
 from compare.pictures.overlays import overlay
 from compare.pictures.panels import Layer, region_panels, variant_panels
+from compare.pictures.plot import plot
 from compare.pictures.schematic import draw_plate
 from compare.pictures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, STYLE, THEORY, Picture, new_figure
 
@@ -37,6 +40,7 @@ __all__ = [
     "UNDECIDED_GREY",
     "Layer",
     "Picture",
+    "animate",
     "draw_curves",
     "draw_growth",
     "draw_plate",
@@ -44,6 +48,7 @@ __all__ = [
     "legend_handles",
     "new_figure",
     "overlay",
+    "plot",
     "region_panels",
     "variant_panels",
 ]

@@ -6,10 +6,10 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.colors import ListedColormap, to_hex
 
-# Part of matplotlib's "Blues" that stands for growth. The lightest quarter and more is left out: a cell that grows
-# slowly must not look like the white of a stable one. Its first colour has a contrast of 1.8 to white. Blue only, so
-# that the orange curves stay visible on every shade.
-GROWTH_PART = (0.36, 1.0)
+# Part of matplotlib's "Blues" that stands for growth. The lighter half is left out: a cell that grows slowly must not
+# look like the white of a stable one. Its first colour has a contrast of 3 to white. Blue only, so that the orange
+# curves stay visible on every shade.
+GROWTH_PART = (0.58, 1.0)
 # Shades of the map.
 GROWTH_SHADES = 256
 # What is neither stable nor unstable.

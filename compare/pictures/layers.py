@@ -17,21 +17,33 @@ from periodic.checks import FloatArray
 from perturb import TransitionCurve
 
 
-def draw_growth(axes: Axes, chart: StabilityChart | None, *, colour_bar: bool = False) -> None:
-    """Shade each cell by its growth rate: white where stable, grey where undecided."""
+def draw_growth(
+    axes: Axes,
+    chart: StabilityChart | None,
+    *,
+    colour_bar: bool = False,
+    frequency: float = 1.0,
+    rate: float = 1.0,
+    rate_unit: str = "",
+) -> None:
+    """Shade each cell by its growth rate: white where stable, grey where undecided.
+
+    Frequencies and rates are drawn ``frequency`` and ``rate`` times as large, the latter with their unit.
+    """
     if chart is None:
         return
     unstable = chart.kind > Kind.STABLE
-    growth = np.ma.masked_where(~unstable, chart.growth_rate)
+    growth = np.ma.masked_where(~unstable, chart.growth_rate * rate)
+    Omega = chart.Omega * frequency
     mesh = axes.pcolormesh(
-        chart.Omega, chart.eps, growth, cmap=GROWTH_MAP, vmin=0, shading="nearest", rasterized=True, zorder=0
+        Omega, chart.eps, growth, cmap=GROWTH_MAP, vmin=0, shading="nearest", rasterized=True, zorder=0
     )
     undecided = np.ma.masked_where(chart.kind != Kind.UNDECIDED, np.ones_like(chart.growth_rate))
     grey = ListedColormap([UNDECIDED_GREY])
-    axes.pcolormesh(chart.Omega, chart.eps, undecided, cmap=grey, shading="nearest", rasterized=True, zorder=0)
+    axes.pcolormesh(Omega, chart.eps, undecided, cmap=grey, shading="nearest", rasterized=True, zorder=0)
     if colour_bar and unstable.any():
         bar = axes.figure.colorbar(mesh, ax=axes, pad=0.01, aspect=30)
-        bar.set_label("growth rate  max log|μ| / T")
+        bar.set_label("growth rate  max log|μ| / T" + (f" ({rate_unit})" if rate_unit else ""))
         bar.outline.set_visible(False)
 
 
@@ -41,6 +53,7 @@ def draw_traces(
     colour: str = "black",
     width: float = EDGE_LINE_WIDTH,
     fill: bool = False,
+    frequency: float = 1.0,
 ) -> None:
     """Draw the edges found by integration as solid lines, the region between them shaded on request.
 
@@ -49,8 +62,8 @@ def draw_traces(
     """
     for trace in traces:
         closed = trace.kind == Kind.STABLE
-        lower = np.where(np.isnan(trace.lower_meeting), trace.lower, trace.lower_meeting)
-        upper = np.where(np.isnan(trace.upper_meeting), trace.upper, trace.upper_meeting)
+        lower = np.where(np.isnan(trace.lower_meeting), trace.lower, trace.lower_meeting) * frequency
+        upper = np.where(np.isnan(trace.upper_meeting), trace.upper, trace.upper_meeting) * frequency
         for edge in (lower, upper):
             kept = closed | np.isfinite(edge)
             axes.plot(edge[kept], trace.eps[kept], color=colour, lw=width, zorder=3)
@@ -69,13 +82,18 @@ def draw_traces(
 
 
 def draw_curves(
-    axes: Axes, curves: Sequence[TransitionCurve], eps_max: float, colour: str = ORANGE, width: float = EDGE_LINE_WIDTH
+    axes: Axes,
+    curves: Sequence[TransitionCurve],
+    eps_max: float,
+    colour: str = ORANGE,
+    width: float = EDGE_LINE_WIDTH,
+    frequency: float = 1.0,
 ) -> None:
     """Draw the analytic transition curves as dashed lines."""
     for curve in curves:
         lower, upper = curve.edges(_curve_eps(curve, eps_max))
         for edge in (lower, upper):
-            axes.plot(edge, _curve_eps(curve, eps_max), color=colour, lw=width, ls=(0, (4, 2)), zorder=4)
+            axes.plot(edge * frequency, _curve_eps(curve, eps_max), color=colour, lw=width, ls=(0, (4, 2)), zorder=4)
 
 
 def _curve_eps(curve: TransitionCurve, eps_max: float) -> FloatArray:

@@ -7,17 +7,18 @@ from collections.abc import Sequence
 import matplotlib as mpl
 import numpy as np
 
+from compare.pictures.answers import draw_regions
 from compare.pictures.labels import is_visible, label_regions
 from compare.pictures.layers import draw_curves, draw_growth, draw_traces, legend_handles
 from compare.pictures.style import STYLE, Picture, new_figure
-from floquet import BoundaryTrace, StabilityChart
+from floquet import BoundaryTrace, Region, StabilityChart
 from perturb import TransitionCurve
 
 
 def overlay(
     chart: StabilityChart | None,
     curves: Sequence[TransitionCurve],
-    traces: Sequence[BoundaryTrace] = (),
+    traces: Sequence[BoundaryTrace | Region] = (),
     *,
     title: str = "",
     size: tuple[float, float] = (9.0, 4.8),
@@ -30,8 +31,8 @@ def overlay(
         Growth-rate map to lay underneath; None leaves it out.
     curves : sequence of TransitionCurve
         Analytic curves, each labelled with its resonance on the upper edge.
-    traces : sequence of BoundaryTrace
-        Edges found by root-finding on the multipliers.
+    traces : sequence of BoundaryTrace or Region
+        Edges found by root-finding on the multipliers, and outlines found by `trace_regions`.
     title : str
         Heading.
     size : (float, float)
@@ -49,18 +50,22 @@ def overlay(
     """
     if chart is None and not traces:
         raise ValueError("chart is None and traces is empty; give a chart, traces or both")
+    regions = [one for one in traces if isinstance(one, Region)]
+    edges = [one for one in traces if isinstance(one, BoundaryTrace)]
     with mpl.rc_context(STYLE):
         figure = new_figure(size)
         axes = figure.add_subplot()
-        eps = chart.eps if chart is not None else np.unique(np.concatenate([trace.eps for trace in traces]))
+        heights = [trace.eps for trace in edges] + [loop.eps for region in regions for loop in region.outlines]
+        eps = chart.eps if chart is not None else np.unique(np.concatenate(heights))
         if chart is not None:
             axes.set_xlim(chart.Omega[0], chart.Omega[-1])
         axes.set_ylim(0, eps[-1])
         draw_growth(axes, chart, colour_bar=True)
-        draw_traces(axes, traces)
-        traced = {trace.near for trace in traces if trace.is_open.any()}
+        draw_traces(axes, edges)
+        traced = {trace.near for trace in edges if trace.is_open.any()}
         shown = [curve for curve in curves if curve.centre in traced or is_visible(axes, curve, eps[-1])]
         draw_curves(axes, shown, eps[-1])
+        draw_regions(axes, regions, names=not shown)
         label_regions(figure, axes, shown, eps[-1], first=traced)
         axes.set_xlabel("excitation frequency Ω")
         axes.set_ylabel("amplitude ε")
