@@ -26,10 +26,10 @@ def draw_stress(axes: list[Axes], field: StressField, units: Units) -> list[obje
     drawn: list[object] = []
     for one, name in zip(axes, ("N_xx", "N_yy", "N_xy"), strict=True):
         values = getattr(field, name).real * units.stress
-        finite = np.abs(values[1:-1, 1:-1]) if min(values.shape) > 2 else np.abs(values)
-        largest = float(finite.max()) or 1.0  # a jump of the load makes N_xy infinite on the edge
+        inside = values[1:-1, 1:-1] if min(values.shape) > 2 else values
+        largest = float(np.abs(inside).max()) or 1.0  # a jump of the load makes N_xy infinite on the edge
         drawn.append(_signed(one, field.x, field.y, values, largest, units.label(name, "stress")))
-        one.set_title(f"{name} from {values.min():.3g} to {values.max():.3g}", loc="left")
+        one.set_title(f"{name} inside: {inside.min():.3g} to {inside.max():.3g}", loc="left")
     return drawn
 
 

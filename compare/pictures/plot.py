@@ -130,12 +130,14 @@ def _edges(axes: Axes, several: list[Any], units: Units) -> list[Any]:
         if fresh:
             corners = np.concatenate([loop.Omega for one in several for loop in one.outlines]) * units.frequency
             axes.set_xlim(corners.min(), corners.max())
+            axes.set_ylim(top=max(float(loop.eps.max()) for one in several for loop in one.outlines))
         draw_regions(axes, several, frequency=units.frequency)
     elif isinstance(several[0], BoundaryTrace):
         draw_traces(axes, several, fill=True, frequency=units.frequency)
     else:
-        tips = [one.tip for one in several if np.isfinite(one.tip)]
-        draw_curves(axes, several, max(CURVES_EPS, 2 * max(tips, default=0.0)), frequency=units.frequency)
+        lowest = min(one.tip for one in several)
+        top = 2 * lowest if CURVES_EPS < 2 * lowest < np.inf else CURVES_EPS
+        draw_curves(axes, several, top, frequency=units.frequency)
     if fresh:
         axes.set_ylim(bottom=0)
         _name_axes(axes, units)

@@ -77,7 +77,9 @@ def draw_campbell(
 ) -> list[object]:
     """Draw frequencies, and damping ratios on a second axes, of the lowest modes over a parameter.
 
-    Dashed grey lines are the excitation, j Omega. A mode that grows is drawn thick and orange where it does.
+    Dashed grey lines are the excitation, j Omega. A mode that grows is drawn thick and orange where it does. A complex
+    mode and its conjugate are one line; where they lock onto the excitation, one of them grows more than the other, and
+    both damping ratios are drawn.
     """
     start = line.frequencies[0]
     upper = np.flatnonzero(start >= 0)
@@ -94,16 +96,23 @@ def draw_campbell(
             va="center", color=GREY, annotation_clip=True,
         )  # fmt: skip
     growing = line.growth_rates * (2 * np.pi / line.Omega)[:, None] > MIN_SHOWN_GROWTH
+    any_grows = False
     for number, i in enumerate(chosen):
         colour, dash = LINES[number % len(LINES)]
+        partner = _partner(line, int(i))
         frequency = np.abs(line.frequencies[:, i]) * units.frequency
         drawn += axes.plot(line.values, frequency, color=colour, ls=dash, lw=1.3, label=f"mode {number + 1}", zorder=3)
-        if growing[:, i].any():
-            hot = np.where(growing[:, i], frequency, np.nan)
+        unstable = growing[:, i] | growing[:, partner]
+        any_grows |= bool(unstable.any())
+        if unstable.any():
+            hot = np.where(unstable, frequency, np.nan)
             drawn += axes.plot(line.values, hot, color=ORANGE, lw=4, alpha=0.6, zorder=2, solid_capstyle="butt")
         if damping is not None:
-            ratio = line.damping_ratios[:, i]
-            drawn += damping.plot(line.values, ratio, color=colour, ls=dash, lw=1.3, zorder=3)
+            for one in {int(i), partner}:
+                ratio = line.damping_ratios[:, one]
+                drawn += damping.plot(line.values, ratio, color=colour, ls=dash, lw=1.3, zorder=3)
+                hot = np.where(growing[:, one], ratio, np.nan)
+                drawn += damping.plot(line.values, hot, color=ORANGE, lw=4, alpha=0.6, zorder=2, solid_capstyle="butt")
     axes.set_xlim(line.values[0], line.values[-1])
     axes.set_ylim(0, top)
     axes.set_ylabel(units.label("frequency", "frequency"))
@@ -113,7 +122,15 @@ def draw_campbell(
         damping.set_ylabel("damping ratio")
         damping.set_xlim(line.values[0], line.values[-1])
     handles, _ = axes.get_legend_handles_labels()
-    if growing[:, chosen].any():
+    if any_grows:
         handles.append(Line2D([], [], color=ORANGE, lw=4, alpha=0.6, label="grows"))
     axes.figure.legend(handles=handles, loc="outside lower center", ncols=4)
     return drawn
+
+
+def _partner(line: ModeLine, i: int) -> int:
+    """Return the number of the conjugate of mode ``i`` at the first value: itself if its multiplier is real."""
+    apart = line.exponents[0] - line.exponents[0, i].conj()
+    apart -= 1j * line.Omega[0] * np.rint(apart.imag / line.Omega[0])
+    apart[i] *= 1 - MIN_SHOWN_GROWTH  # of equal ones itself
+    return int(np.abs(apart).argmin())

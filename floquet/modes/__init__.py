@@ -7,7 +7,7 @@
 >>> print(f"{growing.growth_rate:.6f} at frequency {growing.frequency:.3f}")
 0.024993 at frequency 1.000
 >>> [(round(frequency, 6), round(share, 4)) for frequency, share in growing.strongest(2)]
-[(-1.0, 0.5), (1.0, 0.5)]
+[(1.0, 0.5), (-1.0, 0.5)]
 
 How the files work together: `places` are phases of a period; `solutions` are the oracle's Floquet solutions there;
 `modes` makes modes of them, with names of branches; `response` has what finite runs show; `parametric` is a system as a

@@ -27,6 +27,8 @@ from periodic.checks import ComplexArray, FloatArray, real_array, real_number
 # Modes are put in order by their growth over a period, rounded to so many digits behind the point; equal ones by
 # frequency.
 GROWTH_DIGITS = 9
+# Shares are put in order as rounded to so many digits.
+SHARE_DIGITS = 10
 # Of harmonics whose shares come this close to the largest, the one with the lowest frequency names the branch.
 EQUAL_SHARE = 1e-6
 
@@ -95,9 +97,10 @@ class FloquetMode:
         return self.periodic(times) * np.exp(self.exponent * times)[..., None]
 
     def strongest(self, count: int = 5) -> list[tuple[float, float]]:
-        """Return frequency and share of the strongest harmonics, strongest first."""
-        order = np.argsort(-self.participation, kind="stable")[:count]
-        return [(self.frequency + int(self.harmonics[i]) * self.Omega, float(self.participation[i])) for i in order]
+        """Return frequency and share of the strongest harmonics, strongest first; of equal ones positive ones."""
+        frequencies = self.frequency + self.harmonics * self.Omega
+        order = np.lexsort((-frequencies, -np.round(self.participation, SHARE_DIGITS)))[:count]
+        return [(float(frequencies[i]), float(self.participation[i])) for i in order]
 
     def __repr__(self) -> str:
         return (
