@@ -23,9 +23,9 @@ from compare.pictures.fields import animate
 from compare.pictures.layers import draw_curves, draw_growth, draw_traces, legend_handles
 from compare.pictures.overlays import overlay
 from compare.pictures.panels import Layer, region_panels, variant_panels
-from compare.pictures.plot import plot
 from compare.pictures.schematic import draw_plate
 from compare.pictures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, STYLE, THEORY, Picture, new_figure
+from compare.pictures.verb import plot
 
 __all__ = [
     "BLUE",
