@@ -7,6 +7,8 @@
 PYTHON ?= python3
 BIN := .venv/bin
 ARGS ?=
+# Python compiles to bytecode what it imports; that pip does so with all that is there would take half of its time.
+PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile
 
 # Numba's cache does not notice an edited callee in another file: a cache folder for each state of the code.
 export NUMBA_CACHE_DIR := $(CURDIR)/.numba_cache/$(shell $(PYTHON) floquet/running/source.py | cut -c1-16)
@@ -21,19 +23,19 @@ export OMP_NUM_THREADS := 1
 validate: .venv/.ready-run
 	$(BIN)/python scripts/validate.py $(ARGS)
 
-# Pytest's workers share the cores. One of them must have compiled the kernels before, or all would, each for itself; as
-# compiling takes one core, the checks that compile nothing run beside it.
+# Pytest's workers share the cores. One process must have compiled the kernels before, or all would, each for itself; as
+# compiling takes one core and needs no tools, the tools are installed beside it, and the checks that compile nothing run.
 PYTEST = $(BIN)/python -m pytest --numprocesses auto --dist worksteal
 
-test: .venv/.ready-test
+test: .venv/.ready-run
 	@$(MAKE) --no-print-directory --jobs 2 kernels lint interpreted
 	$(PYTEST) -m "not slow" $(ARGS)
 
-test-full: .venv/.ready-test
+test-full: .venv/.ready-run
 	@$(MAKE) --no-print-directory --jobs 2 kernels lint interpreted
 	$(PYTEST) --hypothesis-profile=default $(ARGS)
 
-kernels: .venv/.ready-test
+kernels: .venv/.ready-run
 	@$(BIN)/python -m tests.warm
 
 # The kernels as plain Python, where an index out of bounds is an error.
@@ -58,20 +60,20 @@ docs: .venv/.ready-docs
 	$(PYTHON) -m venv .venv
 
 .venv/.ready-run: pyproject.toml | .venv/bin/python
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
+	$(PIP) --editable .
 	@touch $@
 
-.venv/.ready-test: pyproject.toml | .venv/bin/python
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[test]'
-	@touch $@ .venv/.ready-run
+.venv/.ready-test: pyproject.toml | .venv/.ready-run
+	$(PIP) --editable '.[test]'
+	@touch $@
 
-.venv/.ready-bench: pyproject.toml | .venv/bin/python
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
-	@touch $@ .venv/.ready-run
+.venv/.ready-bench: pyproject.toml | .venv/.ready-run
+	$(PIP) --editable '.[bench]'
+	@touch $@
 
-.venv/.ready-docs: pyproject.toml | .venv/bin/python
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
-	@touch $@ .venv/.ready-run
+.venv/.ready-docs: pyproject.toml | .venv/.ready-run
+	$(PIP) --editable '.[docs]'
+	@touch $@
 
 clean:
 	rm -rf .venv .numba_cache .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis output site *.egg-info

@@ -118,6 +118,22 @@ def runge_kutta(equations: Equations, steps: float) -> Solve:
     return lambda Omega, eps: rk4(*equations, Omega, eps, int(steps))
 
 
+# Each of these expressions takes a second or more to compile, and would again wherever it stood.
+@numba.njit(cache=True, nogil=True)
+def acceleration(stiffness: FloatArray, velocity: FloatArray, r: FloatArray, rate: FloatArray) -> FloatArray:
+    return -(stiffness @ r + velocity @ rate)
+
+
+@numba.njit(cache=True, nogil=True)
+def moved(y: FloatArray, h: float, slope: FloatArray) -> FloatArray:
+    return y + h * slope
+
+
+@numba.njit(cache=True, nogil=True)
+def weighted(y: FloatArray, h: float, a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> FloatArray:
+    return y + h / 6 * (a + 2 * b + 2 * c + d)
+
+
 @numba.njit(cache=True, nogil=True)
 def rk4(
     velocity: FloatArray,
@@ -138,15 +154,14 @@ def rk4(
             for j in range(len(cosine)):
                 phase = (j + 1) * Omega * h * (step + 0.5 * stage)
                 K[stage] += eps * (np.cos(phase) * cosine[j] + np.sin(phase) * sine[j])
-        r1, v1 = rate, -(K[0] @ r + velocity @ rate)
-        r2 = rate + 0.5 * h * v1
-        v2 = -(K[1] @ (r + 0.5 * h * r1) + velocity @ r2)
-        r3 = rate + 0.5 * h * v2
-        v3 = -(K[1] @ (r + 0.5 * h * r2) + velocity @ r3)
-        r4 = rate + h * v3
-        v4 = -(K[2] @ (r + h * r3) + velocity @ r4)
-        r = r + h / 6 * (r1 + 2 * r2 + 2 * r3 + r4)
-        rate = rate + h / 6 * (v1 + 2 * v2 + 2 * v3 + v4)
+        r1, v1 = rate, acceleration(K[0], velocity, r, rate)
+        r2 = moved(rate, 0.5 * h, v1)
+        v2 = acceleration(K[1], velocity, moved(r, 0.5 * h, r1), r2)
+        r3 = moved(rate, 0.5 * h, v2)
+        v3 = acceleration(K[1], velocity, moved(r, 0.5 * h, r2), r3)
+        r4 = moved(rate, h, v3)
+        v4 = acceleration(K[2], velocity, moved(r, h, r3), r4)
+        r, rate = weighted(r, h, r1, r2, r3, r4), weighted(rate, h, v1, v2, v3, v4)
     return np.concatenate((r, rate))
 
 

@@ -19,6 +19,7 @@ from typing import NamedTuple
 
 import pytest
 
+from tests.hunt.fuzz import MAKERS
 from tests.paths import ROOT
 
 FUZZ = Path(__file__).with_name("fuzz.py")
@@ -78,7 +79,7 @@ def test_ten_thousand_damaged_files(tmp_path: Path, tabulate: Callable[..., None
     assert not faults(outcomes), faults(outcomes)
 
 
-# What `fuzz.py` must notice: each reader fails in its own way on every input.
+# What `fuzz.py` must notice: a reader that fails in another way on each input.
 FAILING = {
     "an exception": ("raise KeyError('M')", "KeyError"),
     "a message without the file": ("raise ValueError('M is wrong')", "does not name the file"),
@@ -90,14 +91,32 @@ FAILING = {
 }
 
 
-@pytest.mark.parametrize("name", FAILING)
-def test_the_hunt_finds_what_it_hunts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
-    code, wanted = FAILING[name]
+@pytest.fixture(scope="module")
+def noticed(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """What the hunt notices of each."""
+    folder = tmp_path_factory.mktemp("failing")
+    first, step = 1, len(MAKERS)  # inputs of one form
+    numbers = range(first, first + step * len(FAILING), step)
+    codes = dict(zip(numbers, (code for code, _ in FAILING.values()), strict=True))
     source = FUZZ.read_text(encoding="utf-8")
     before = "if __name__"
     assert source.count(f"\n{before}") == 1
-    spoiled = f"SECONDS = 3\ndef load_system(path):\n    {code}\nload_case = load_system\n\n{before}"
-    script = tmp_path / "fuzz.py"
+    spoiled = f"""
+SECONDS = 3
+def load_system(path):
+    exec({codes!r}[int(path.relative_to({str(folder)!r}).parts[0])], {{"path": path}})
+load_case = load_system
+
+{before}"""
+    script = folder / "fuzz.py"
     script.write_text(source.replace(before, spoiled), encoding="utf-8")
-    monkeypatch.setattr(sys.modules[__name__], "FUZZ", script)
-    assert wanted in faults(tried(range(1, 2), tmp_path))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sys.modules[__name__], "FUZZ", script)
+        outcomes = tried(numbers, folder)
+    assert [one.number for one in outcomes] == [*numbers]
+    return {name: faults([one]) for name, one in zip(FAILING, outcomes, strict=True)}
+
+
+@pytest.mark.parametrize("name", FAILING)
+def test_the_hunt_finds_what_it_hunts(noticed: dict[str, str], name: str) -> None:
+    assert FAILING[name][1] in noticed[name]

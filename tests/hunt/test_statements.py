@@ -139,4 +139,6 @@ def test_lies_are_found(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     tally = Tally()
     for seed in seeds:
         tally.add(case(seed))
-    assert tally.counts[Judged.WRONG]
+        if tally.counts[Judged.WRONG]:
+            return
+    pytest.fail("no lie was found")

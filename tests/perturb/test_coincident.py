@@ -145,7 +145,7 @@ def test_moving_string_has_a_gap_of_second_order() -> None:
     gap = []
     for value in eps:
         lower, upper = curve.edges(value)
-        exact = hill_edges(system, 0.5 * (lower + upper), upper - lower, value, cut=6)
+        exact = hill_edges(system, 0.5 * (lower + upper), upper - lower, value, cut=4)
         gap.append(np.abs(np.array([lower, upper]) - exact).max())
     assert 1.8 < fitted_order(eps, np.array(gap)) < 2.2
 

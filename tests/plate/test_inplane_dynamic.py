@@ -220,7 +220,7 @@ def test_the_lowest_speed_at_which_a_thick_plate_diverges(
     critical = resting.critical_speed()
     lowest = [
         np.linalg.eigvalsh(replace(resting, speed=part * critical).at(0.0).stiffness)[0]
-        for part in (*np.linspace(0.0, 0.99, 40), 1 - 1e-6)
+        for part in (*np.linspace(0.0, 0.99, 12), 1 - 1e-6)
     ]
     assert min(lowest) > 0
     assert lowest[-1] < 1e-2 * lowest[-2]

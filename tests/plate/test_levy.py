@@ -30,6 +30,12 @@ LOADS = {
     "samples": EdgeLoad.from_samples([0.0, 0.2, 0.25, 0.7, 1.0], [0.3, 2.0, 0.1, 1.0, 1.4]).static,
     "pieces": Distribution((0.0, 0.3, 0.9, 1.0), ((1.0, 0.5), (2.0, -0.3, 0.4, 0.5), (0.0,))),
 }
+# Every load and every aspect ratio; half of the pairs in `make test`.
+LOADS_AND_RATIOS = [
+    pytest.param(load, r, marks=[pytest.mark.slow] * ((i + j) % 2))
+    for i, load in enumerate(LOADS)
+    for j, r in enumerate([0.001, 0.1, 1.0, 3.0, 10.0, 50.0])
+]
 
 
 class Grid(NamedTuple):
@@ -107,8 +113,7 @@ def test_complementary_virtual_work(f: Distribution, r: float, nu: float, a: Pol
     assert grid.integral(work) == pytest.approx(0, abs=1e-6 * scale)
 
 
-@pytest.mark.parametrize("r", [0.001, 0.1, 1.0, 3.0, 10.0, 50.0])
-@pytest.mark.parametrize("load", LOADS)
+@pytest.mark.parametrize(("load", "r"), LOADS_AND_RATIOS)
 def test_edges(load: str, r: float) -> None:
     f, nu = LOADS[load], 0.3
     X, Y = r * np.array([0.0, 1e-9, 1e-5, 1e-3, 0.1, 0.37, 0.5, 0.9, 1.0]), np.linspace(0, 1, 38)  # on no jump
@@ -157,8 +162,7 @@ def test_field_equations_next_to_singular_points(load: str, distance: float) -> 
                     assert bend @ trace[:, 2] + trace[2] @ bend == pytest.approx(0, abs=1e-5 * scale / distance)
 
 
-@pytest.mark.parametrize("r", [0.001, 0.1, 1.0, 3.0, 10.0, 50.0])
-@pytest.mark.parametrize("load", LOADS)
+@pytest.mark.parametrize(("load", "r"), LOADS_AND_RATIOS)
 def test_terms_in_closed_form_are_those_left_out(monkeypatch: pytest.MonkeyPatch, load: str, r: float) -> None:
     places = np.array([0.0, 1e-9, 1e-6, 1e-3, 0.05, 0.25, 0.3 + 1e-5, 0.5])
     X, Y = r * places, np.concatenate([places, (1 - places[-2::-1])])
@@ -225,13 +229,13 @@ def test_tails_by_direct_summation(k: int) -> None:
 @pytest.mark.parametrize(
     ("width", "row", "nearest", "tolerance"),
     [
-        (0.1, (0.4, -1.1, 0.9, 0.5), 0.0, 1e-5),
+        pytest.param(0.1, (0.4, -1.1, 0.9, 0.5), 0.0, 1e-5, marks=pytest.mark.slow),
         (0.01, (0.4, -1.1, 0.9, 0.5), 0.0, 1e-5),
         (0.1, (0.4, -1.1, 0.9, 0.5, 0.0, 0.3, -0.4), 0.0, 1e-4),
-        (0.01, (0.4, -1.1, 0.9, 0.5, 0.0, 0.3, -0.4), 0.0, 2e-4),
+        pytest.param(0.01, (0.4, -1.1, 0.9, 0.5, 0.0, 0.3, -0.4), 0.0, 2e-4, marks=pytest.mark.slow),
         # taken as straight, which tells at Y within the piece
         (3e-5, (0.4, -1.1, 0.9, 0.5, 0.0, 0.3, -0.4), 1e-2, 1e-2),
-        (1e-7, (0.4, -1.1, 0.9, 0.5), 1e-2, 2e-2),
+        pytest.param(1e-7, (0.4, -1.1, 0.9, 0.5), 1e-2, 2e-2, marks=pytest.mark.slow),
     ],
 )
 def test_a_rough_piece_against_a_fine_polygon(
@@ -268,7 +272,12 @@ def test_rough_pieces_are_cut_into_hermite_cubics() -> None:
 @pytest.mark.parametrize(
     ("load", "order"),
     # in the number of terms each way: 4 if the load reaches the corners, where the stress depends on direction, else 5
-    [("uniform", 4), ("oblique", 4), ("middle half", 5), ("parabola", 5)],
+    [
+        pytest.param("uniform", 4, marks=pytest.mark.slow),
+        ("oblique", 4),
+        ("middle half", 5),
+        pytest.param("parabola", 5, marks=pytest.mark.slow),
+    ],
 )
 def test_stiffness_of_the_trial_space_tends_to_the_integral_of_the_exact_stress(load: str, order: int) -> None:
     r, nu, K, lateral = 1.4, 0.3, 2, 3

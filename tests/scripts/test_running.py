@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import signal
 import subprocess
@@ -21,6 +22,7 @@ from periodic.examples import coupled_mathieu, mathieu
 
 COLUMNS, BLOCKS = 640, 40
 CHART = ("--Omega", "0.7", "5.0", "--eps", "1.0", "--points", str(COLUMNS), "12", "--no-regions", "--no-progress")
+SYSTEM = ("--system", "pair.npz", "--jobs", "1")
 NAMES = ("growth_rate", "multiplier", "kind", "error")
 
 # The command with its blocks slowed down, so that a kill falls between the first and the last of them. It listens to
@@ -42,7 +44,7 @@ needs_kill = pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="this sys
 
 
 def _start(folder: Path, *options: str) -> subprocess.Popen[str]:
-    command = [sys.executable, "-c", SLOWED, "--system", "pair.npz", "--jobs", "1", *CHART, *options]
+    command = [sys.executable, "-c", SLOWED, *SYSTEM, *CHART, *options]
     return subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
@@ -76,7 +78,9 @@ def test_a_complete_run_leaves_no_parts(home: Path) -> None:
 
 
 @needs_kill
-def test_kill_nine_twice_and_go_on(home: Path) -> None:
+def test_kill_nine_twice_and_go_on(
+    home: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     parts = home / "twice" / ".unfinished"
     kept: list[int] = []
     for _ in range(2):
@@ -89,9 +93,10 @@ def test_kill_nine_twice_and_go_on(home: Path) -> None:
     assert 3 <= kept[0] < kept[0] + 3 <= kept[1] < BLOCKS
     victim = sorted(parts.glob("*.tile"))[0]
     victim.write_bytes(victim.read_bytes()[:-1])  # and a damaged one
-    child = _start(home, "--output", "twice", "--resume")
-    said, errors = child.communicate()
-    assert (child.returncode, errors) == (0, "")
+    monkeypatch.chdir(home)
+    assert explore.main([*SYSTEM, *CHART, "--output", "twice", "--resume"]) == 0
+    said, errors = capsys.readouterr()
+    assert not errors
     assert "twice/.unfinished holds finished parts of charts of a run that was stopped\n" in said
     assert _same(home / "whole" / "pair.npz", home / "twice" / "pair.npz")
     assert not parts.exists()
@@ -120,7 +125,9 @@ def test_ten_kills_at_random_moments_of_one_chart(home: Path) -> None:
         assert _same(home / "whole" / "pair.npz", copy / "pair.npz")
 
 
-def test_ctrl_c_says_how_to_go_on(home: Path) -> None:
+def test_ctrl_c_says_how_to_go_on(
+    home: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     parts = home / "stopped" / ".unfinished"
     child = _start(home, "--output", "stopped")
     _wait_for_blocks(child, parts, 2)
@@ -134,9 +141,10 @@ def test_ctrl_c_says_how_to_go_on(home: Path) -> None:
     kept = len(list(parts.glob("*.tile")))
     assert 2 <= kept < BLOCKS
     # Without --resume everything is computed, and what another run has left stays until it is needed no more.
-    child = _start(home, "--output", "stopped")
-    said, errors = child.communicate()
-    assert (child.returncode, errors) == (0, "")
+    monkeypatch.chdir(home)
+    assert explore.main([*SYSTEM, *CHART, "--output", "stopped"]) == 0
+    said, errors = capsys.readouterr()
+    assert not errors
     assert "stopped/.unfinished holds finished parts" in said
     assert "--resume goes on with them" in said
     assert _same(home / "whole" / "pair.npz", home / "stopped" / "pair.npz")
@@ -166,23 +174,34 @@ def test_a_folder_of_ones_own_keeps_the_parts_for_two_commands(
     assert len(list((tmp_path / "parts").glob("*.tile"))) == 2
 
 
+def written(stream: io.TextIOWrapper) -> str:
+    """Return what has been written to a stream in memory."""
+    stream.seek(0)
+    return stream.read()
+
+
 @pytest.mark.parametrize("encoding", ["ascii", "cp1252"])
-def test_a_terminal_without_greek_letters_is_no_obstacle(home: Path, tmp_path: Path, encoding: str) -> None:
+def test_a_terminal_without_greek_letters_is_no_obstacle(
+    home: Path, tmp_path: Path, encoding: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     # As where the output of a command goes into a file or a pipe under Windows.
-    command = [sys.executable, "-c", "import sys; from floquet_scripts import explore; sys.exit(explore.main())"]
+    streams = {name: io.TextIOWrapper(io.BytesIO(), encoding=encoding) for name in ("stdout", "stderr")}
+    for name, stream in streams.items():
+        monkeypatch.setattr(sys, name, stream)
     arguments = ["--system", str(home / "pair.npz"), "--points", "8", "4", "--no-progress", "--output", str(tmp_path)]
-    environment = os.environ | {"PYTHONIOENCODING": encoding}
-    done = subprocess.run([*command, *arguments], env=environment, capture_output=True, text=True, encoding=encoding)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert "ω" not in done.stdout
-    assert "pair.npz" in done.stdout
+    status = explore.main(arguments)
+    monkeypatch.undo()
+    said, errors = (written(stream) for stream in streams.values())
+    assert (status, errors) == (0, "")
+    assert "?" in said  # for a Greek letter
+    assert "pair.npz" in said
 
 
 @pytest.mark.parametrize("streams", [("stdout",), ("stderr",), ("stdout", "stderr")], ids="+".join)
 def test_results_are_written_although_nobody_reads_the_output(home: Path, tmp_path: Path, streams: set[str]) -> None:
     # as with `| head -1`, and with `2>&1 | head -1`, where progress bars go as well
     command = [sys.executable, "-c", "import sys; from floquet_scripts import explore; sys.exit(explore.main())"]
-    arguments = ["--system", str(home / "pair.npz"), "--points", "8", "4", "--output", str(tmp_path)]
+    arguments = ["--system", str(home / "pair.npz"), "--points", "8", "4", "--no-regions", "--output", str(tmp_path)]
     reading, writing = os.pipe()
     os.close(reading)
     broken: dict[str, Any] = {name: writing if name in streams else subprocess.PIPE for name in ("stdout", "stderr")}

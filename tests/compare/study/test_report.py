@@ -152,28 +152,42 @@ def test_a_measured_number_shows_the_digits_that_its_error_allows() -> None:
     assert _measured(Measured(0.0, 1e-7)) == "0"
 
 
-def test_a_report_without_claims_has_no_such_section(study: Study, tmp_path: Path) -> None:
-    write_report([study], [], tmp_path)
-    for name in ("report.html", "report.md"):
-        assert "The paper's claims" not in (tmp_path / name).read_text(encoding="utf-8")
-
-
-def test_a_chart_that_failed_its_audit_is_a_disagreement(study: Study, tmp_path: Path) -> None:
-    assert study.agrees
+@pytest.fixture(scope="module")
+def worse(study: Study) -> Study:
+    """The study with a chart that failed its audit."""
     variant = study.variants[0]
     assert variant.chart.audit is not None
     contradicted = replace(variant.chart.audit, contradictions=np.ones_like(variant.chart.audit.contradictions))
     failed = replace(variant, chart=replace(variant.chart, audit=contradicted))
-    worse = replace(study, variants=[failed, *study.variants[1:]])
+    return replace(study, variants=[failed, *study.variants[1:]])
+
+
+@pytest.fixture(scope="module")
+def without_claims(worse: Study, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("without claims")
+    write_report([worse], [], folder)
+    return folder
+
+
+def test_a_report_without_claims_has_no_such_section(folder: Path, without_claims: Path) -> None:
+    for name in ("report.html", "report.md"):
+        assert "The paper's claims" in (folder / name).read_text(encoding="utf-8")
+        assert "The paper's claims" not in (without_claims / name).read_text(encoding="utf-8")
+
+
+def test_a_chart_that_failed_its_audit_is_a_disagreement(
+    study: Study, worse: Study, folder: Path, without_claims: Path
+) -> None:
+    assert study.agrees
     assert not worse.agrees
     assert worse.to_dict()["variants"][0]["chart_passed_audit"] is False
-    write_report([worse], [], tmp_path)
     for name in ("report.html", "report.md"):
-        head, details = (tmp_path / name).read_text(encoding="utf-8").split("Plates", 1)
+        head, details = (without_claims / name).read_text(encoding="utf-8").split("Plates", 1)
         assert "Charts that did not pass their audit: 1." in head
         assert "DO NOT TRUST THIS CHART" in details
+    variant = study.variants[0]
+    assert variant.chart.audit is not None
     unchecked = replace(variant.chart.audit, differences=np.full_like(variant.chart.audit.differences, np.nan))
     assert not replace(variant, chart=replace(variant.chart, audit=unchecked)).passed_audit
     assert not replace(variant, chart=replace(variant.chart, audit=None)).passed_audit
-    write_report([study], [], tmp_path)
-    assert "did not pass" not in (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "did not pass" not in (folder / "report.html").read_text(encoding="utf-8")

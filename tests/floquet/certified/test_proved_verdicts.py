@@ -24,6 +24,7 @@ from plate import EdgeLoad, MovingPlate
 
 # Relative distances from a boundary at which points are tried on either side; boundaries are located ten times better.
 DISTANCES = (1e-6, 1e-7, 1e-8, 1e-9)
+FEW_DISTANCES = (1e-6, 1e-9)  # in `make test`
 
 
 # What is counted: verdicts "stable" and "unstable" are decisions, "undecided" is none.
@@ -76,13 +77,13 @@ def boundaries(study: Study, eps: float) -> Iterator[float]:
         yield low
 
 
-def points(study: Study, eps: float, spread: int) -> tuple[FloatArray, int]:
+def points(study: Study, eps: float, spread: int, distances: tuple[float, ...]) -> tuple[FloatArray, int]:
     """Return sorted Omega and how many of them are next to a boundary.
 
-    ``spread`` are at random in the window, and two at each of DISTANCES from every boundary, one on either side.
+    ``spread`` are at random in the window, and two at each of ``distances`` from every boundary, one on either side.
     """
     near = [
-        edge * (1 + sign * distance) for edge in boundaries(study, eps) for distance in DISTANCES for sign in (-1, 1)
+        edge * (1 + sign * distance) for edge in boundaries(study, eps) for distance in distances for sign in (-1, 1)
     ]
     return np.unique([*np.random.default_rng(0).uniform(*study.window, spread), *near]), len(np.unique(near))
 
@@ -101,12 +102,12 @@ def check(kind: int, log_modulus: float, error: float, Omega: float, found: Cert
     return faults
 
 
-def compare(study: Study, spread: int) -> tuple[Counter[str], list[str]]:
+def compare(study: Study, spread: int, distances: tuple[float, ...]) -> tuple[Counter[str], list[str]]:
     """Hold both integrators against certificates; return how many cells and verdicts there were, and all faults."""
     faults: list[str] = []
     counts = Counter(dict.fromkeys(COLUMNS, 0))
     for eps in study.eps:
-        Omega, near = points(study, eps, spread)
+        Omega, near = points(study, eps, spread, distances)
         chart = stability_chart(study.system, Omega, [eps], n_jobs=1, progress=False)
         for i, w in enumerate(map(float, Omega)):
             found = certified_growth(study.system, w, eps)
@@ -128,7 +129,7 @@ def compare(study: Study, spread: int) -> tuple[Counter[str], list[str]]:
 
 @pytest.mark.parametrize("name", SMALL)
 def test_verdicts_are_proved(name: str) -> None:
-    counts, faults = compare(SMALL[name], spread=8)
+    counts, faults = compare(SMALL[name], 8, FEW_DISTANCES)
     assert not faults, "\n".join(faults)
     assert counts["cells"] > 15
 
@@ -136,7 +137,7 @@ def test_verdicts_are_proved(name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", LARGE)
 def test_many_verdicts_are_proved(name: str, tabulate: Callable[..., None]) -> None:
-    counts, faults = compare(LARGE[name], spread=60)
+    counts, faults = compare(LARGE[name], 60, DISTANCES)
     tabulate(
         "Verdicts held against proofs",
         system=name,

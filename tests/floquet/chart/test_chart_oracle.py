@@ -78,7 +78,7 @@ def random_grid(rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
 
 @pytest.mark.parametrize("system", [STANDARD, DAMPED], ids=["elastic", "damped"])
 def test_no_false_verdict_on_the_plate(system: PeriodicSystem) -> None:
-    cells = 25
+    cells = 15
     assert assert_no_false_verdict(system, *plate_grid(np.random.default_rng(1)), cells, 2) >= cells - 2
 
 

@@ -19,8 +19,14 @@ from floquet import Kind, monodromy, stability_chart
 from periodic import PeriodicSystem
 from periodic.examples import mathieu
 
-# As many as a minute allows, in steps that binary numbers hold exactly.
-GRID = [k / 64 for k in range(-256, 257) if k]
+# Steps that binary numbers hold exactly: those of `make test`, and those of `make test-full` for one point and for a
+# chart.
+COARSE, FINE, FINE_CHART = 16, 64, 8
+
+
+def grid(steps: int) -> list[float]:
+    """Return k from -4 to 4 in steps of 1 / steps, without 0."""
+    return [k / steps for k in range(-4 * steps, 4 * steps + 1) if k]
 
 
 def hill(mean: float, cosine: list[float], sine: list[float] | None = None, damping: float = 0.0) -> PeriodicSystem:
@@ -52,10 +58,11 @@ FAMILIES = {
 }
 
 
+@pytest.mark.parametrize("steps", [COARSE, pytest.param(FINE, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", FAMILIES)
-def test_monodromy_decides_nothing_on_a_boundary(name: str) -> None:
+def test_monodromy_decides_nothing_on_a_boundary(name: str, steps: int) -> None:
     exact = -1 if name.startswith("minus") else 1
-    for k in GRID:
+    for k in grid(steps):
         found = monodromy(FAMILIES[name](k), 1.0, 1.0)
         assert found.kind == Kind.UNDECIDED, k
         # log|mu| of the critical multiplier is 0
@@ -103,10 +110,11 @@ def test_monodromy_finds_the_boundary_among_other_coordinates(name: str, k: floa
     assert monodromy(system, 1.0, 1.0).kind == Kind.UNDECIDED
 
 
-def test_chart_decides_nothing_on_a_boundary() -> None:
+@pytest.mark.parametrize("steps", [FINE_CHART // 2, pytest.param(FINE_CHART, marks=pytest.mark.slow)])
+def test_chart_decides_nothing_on_a_boundary(steps: int) -> None:
     decided = []
     for name, family in FAMILIES.items():
-        for k in [k for k in GRID if 8 * k % 1 == 0]:
+        for k in grid(steps):
             chart = stability_chart(family(k), [1.0], [1.0], n_jobs=1, progress=False)
             if chart.kind[0, 0] != Kind.UNDECIDED:
                 decided.append((name, k, Kind(chart.kind[0, 0]).name))
