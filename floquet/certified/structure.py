@@ -22,8 +22,8 @@ from periodic.structure import STRUCTURE_DEFECT
 
 # States of a first-order system up to which a conserved form is looked for: exact elimination takes the sixth power.
 MAX_EXACT_FORM_STATES = 8
-# What rounding hides of a difference of products of float64 numbers, as a part of the largest of them.
-ROUNDING_OF_DEFECTS = 2.0**-50
+# What rounding hides of a sum of products of float64 numbers, for each of them, as a part of the largest.
+ROUNDING_OF_DEFECTS = 2.0**-51
 # The matrices of a function of time, for each of the functions that it is a sum of.
 Canonical = dict[tuple[Any, ...], FloatArray]
 
@@ -56,7 +56,7 @@ def hamiltonian_change(system: PeriodicSystem, Omega: float, eps: float) -> floa
         return 0.0
     scales = [C, K, G | kicks]
     found = max(_difference(*pair, scale) for pair, scale in zip(pairs, scales, strict=True))
-    return found + ROUNDING_OF_DEFECTS if found <= STRUCTURE_DEFECT else None
+    return found + (len(parts) + 2) * ROUNDING_OF_DEFECTS if found <= STRUCTURE_DEFECT else None
 
 
 def is_reversible(system: PeriodicSystem, eps: float) -> bool:

@@ -231,6 +231,44 @@ def test_a_jump_of_speed_needs_its_pulse(weight: float) -> None:
     assert (found.verdict is STABLE) == (weight == 1.0)
 
 
+def random_hamiltonian(seed: int) -> tuple[PeriodicSystem, float, float]:
+    """C = M', K - K^T = G', and the pulses that belong to jumps of G."""
+    rng = np.random.default_rng(seed)
+    n, Omega, eps = int(rng.integers(1, 4)), float(rng.uniform(0.8, 6)), float(rng.uniform(0.05, 0.4))
+
+    def matrix(size: float, sign: int) -> np.ndarray:
+        X = size * rng.normal(size=(n, n))
+        return X + sign * X.T
+
+    B, X, Y, M = rng.normal(size=(n, n)), matrix(0.5, -1), matrix(0.5, -1), matrix(0.1, 1)
+    terms = [
+        Term("stiffness", matrix(0.5, 1), waveforms.cosine(1, float(rng.random()))),
+        Term("stiffness", matrix(0.5, 1), waveforms.triangle()),
+        Term("gyroscopic", X, waveforms.cosine(2)),
+        Term("stiffness", -Omega * X, waveforms.sine(2)),
+        Term("gyroscopic", Y, waveforms.rectangular(0.3)),
+        Term("stiffness", Y, waveforms.impulses([0, 0.3], [1.0, -1.0])),
+        Term("mass", M, waveforms.cosine()),
+        Term("damping", -Omega * M, waveforms.sine()),
+        Term("mass", matrix(0.1, 1), waveforms.rectangular(0.4)),
+    ]
+    kept = [term for term, with_it in zip(terms, [1, 1, *np.repeat(rng.random(3) < 0.6, 2), 1], strict=True) if with_it]
+    return PeriodicSystem(np.eye(n), matrix(0.5, -1), stiffness=B @ B.T + n * np.eye(n), terms=kept), Omega, eps
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_random_hamiltonian_systems(seed: int) -> None:
+    """What `monodromy` finds bounded is proved bounded, and nothing else."""
+    system, Omega, eps = random_hamiltonian(seed)
+    found = certified_growth(system, Omega, eps, max_bits=128, progress=False)
+    point = monodromy(system, Omega, eps)
+    period = 2 * np.pi / Omega
+    assert (
+        period * max(found.lower - point.growth_rate, point.growth_rate - found.upper) < 3e-13 + point.log_modulus_error
+    )
+    assert found.verdict is (STABLE if point.kind is Kind.STABLE else UNSTABLE)
+
+
 @pytest.mark.parametrize("asymmetry", [0.0, 1e-30])
 def test_even_functions_are_reversible(asymmetry: float) -> None:
     """A mass, even about the phase 0 or 1/4, and a circulatory stiffness; a sine beside a cosine takes it away."""

@@ -64,8 +64,22 @@ FAULTS = (
     Fault(
         "rounding of the derivatives accepted in a proof without a word",
         "floquet/certified/structure.py",
-        "return found + ROUNDING_OF_DEFECTS if found <= STRUCTURE_DEFECT else None",
-        "return 0.0 if found <= STRUCTURE_DEFECT else None",
+        "return found + (len(parts) + 2) * ROUNDING_OF_DEFECTS if",
+        "return 0.0 if",
+        GENERAL,
+    ),
+    Fault(
+        "sign of the derivative of a waveform in a proof",
+        "floquet/certified/waves.py",
+        "(j * Omega * s, -j * Omega * c)",
+        "(j * Omega * s, j * Omega * c)",
+        GENERAL,
+    ),
+    Fault(
+        "half a jump of the speed in a proof",
+        "floquet/certified/reading.py",
+        "X * (jump / 2)",
+        "X * jump",
         GENERAL,
     ),
 )
