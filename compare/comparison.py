@@ -214,9 +214,7 @@ class _Comparison:
         errors = np.array([trace.lower_error[0], trace.upper_error[0]])
         trouble = ""
         if trace.window == "stable":
-            trouble = (
-                "without excitation the system is unstable (perturb.stable_windows has where excitation holds it),"
-            )
+            trouble = "without excitation the system is unstable (see perturb.general.stable_windows),"
         elif trace.kind[0] == Kind.UNDECIDED:
             trouble = "integration cannot tell this region from others"
         elif trace.kind[0] > Kind.STABLE and np.isnan(edges).any():

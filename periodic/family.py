@@ -98,7 +98,7 @@ def stiffness_alone(system: Any, name: str = "system") -> PeriodicSystem:
     if isinstance(system, FirstOrderSystem):
         raise ValueError(
             f"{name} is of first order; this method takes a PeriodicSystem with periodic stiffness alone. "
-            "monodromy, stability_chart, trace_boundary and transition_curves take any"
+            "monodromy, stability_chart, trace_boundary, transition_curves and agreement take any"
         )
     if not isinstance(system, PeriodicSystem):
         raise ValueError(f"{name} = {system!r} is no system; give a PeriodicSystem")
@@ -107,7 +107,7 @@ def stiffness_alone(system: Any, name: str = "system") -> PeriodicSystem:
         raise ValueError(
             f"{name} has a term of {term.of!r} with eps^{term.power} and the waveform "
             f"{type(term.waveform).__name__}; this method takes harmonics of the stiffness with eps^1 alone. "
-            "monodromy, stability_chart, trace_boundary and transition_curves take any"
+            "monodromy, stability_chart, trace_boundary, transition_curves and agreement take any"
         )
     return system
 

@@ -27,7 +27,10 @@ LEANING_PART = 0.25
 # What is said where theory has nothing to draw.
 NO_RESONANCE = "There are no analytic curves: no resonance starts in the window or beside it"
 # What is said of a system that the tracing of regions does not take.
-UNTRACED = "The regions are not traced: that takes systems of which the stiffness alone depends on time, in harmonics."
+UNTRACED = (
+    "The regions are not traced: that takes systems of which the stiffness alone depends on time, in harmonics. "
+    "trace_boundary traces one of them, and agreement judges them."
+)
 # Amplitudes at which a curve is tested for being open in the window.
 OPEN_TEST_POINTS = 65
 
