@@ -139,18 +139,32 @@ class Walk:
         return float(min(STEP_GROWTH * way, FIRST_STEP * abs(b.value) / fall) if fall > 0 else STEP_GROWTH * way)
 
     def _zero(self, inside: Point, outside: Point | Unreachable) -> tuple[float, list[Point]]:
-        """Return a zero of the test function between two points, and the points inside, the nearest to it first."""
+        """Return a zero of the test function between two points, and the points inside, the nearest to it first.
+
+        Where the function is a parabola with a top of the height h, sqrt(h - f) is linear, and so found at once.
+        """
         points = {inside.Omega: inside, outside.Omega: outside}
+        top = self._top_height(inside, outside)
 
         def value(Omega: float) -> float:
             if Omega not in points:
                 points[Omega] = self._point(Omega, inside.reference)
             point = points[Omega]
-            return point.value if isinstance(point, Point) else 1.0
+            f = point.value if isinstance(point, Point) else 1.0
+            return f if np.isinf(top) else float(np.sqrt(top) - np.sqrt(max(top - f, 0.0)))
 
         zero = float(brentq(value, inside.Omega, outside.Omega, xtol=self.resolution * inside.Omega))
         within = [point for point in points.values() if isinstance(point, Point) and self._is_inside(point)]
         return zero, sorted(within, key=lambda point: abs(point.Omega - zero))
+
+    def _top_height(self, inside: Point, outside: Point | Unreachable) -> float:
+        """Return the height of the parabola through two points whose sides are as steep as those of a resonance."""
+        if self.is_window or isinstance(outside, Unreachable):
+            return np.inf
+        way = outside.Omega - inside.Omega
+        steepness = (np.pi * self.j / inside.Omega) ** 2
+        slope = (outside.value - inside.value) / way + steepness * way
+        return float(inside.value + slope**2 / (4 * steepness))
 
     def _edge_error(self, points: list[Point], edge: float) -> float:
         """Return the error of an edge, given points inside: that of the test function over its slope."""

@@ -167,7 +167,7 @@ def test_errors_of_edges_in_a_sensitive_case() -> None:
         difference = np.abs(getattr(one, edge) - getattr(other, edge))
         allowed = getattr(one, edge + "_error") + getattr(other, edge + "_error")
         assert (difference <= 3 * allowed).all()
-        assert (difference > 1e-3 * allowed).all()
+        assert (difference / allowed).max() > 1e-3  # by chance one may be small
         assert (allowed > 1e-8).all()  # more than the resolution of the search
 
 
