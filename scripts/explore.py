@@ -30,7 +30,7 @@ try:
     from floquet.chart import TileStore
     from floquet_scripts import running
     from floquet_scripts.compiling import announce_compilation
-    from periodic import AnyFamily, AnySystem, SystemFamily, stiffness_alone
+    from periodic import AnyFamily, SystemFamily, stiffness_alone
     from periodic.checks import one_of, real_number
 except ModuleNotFoundError as error:
     if __name__ != "__main__":
@@ -68,7 +68,7 @@ class Target:
 
     name: str
     title: str
-    source: Plate | AnySystem
+    source: Plate | AnyFamily
     window: tuple[float, float]
     eps: float
     points: tuple[int, int] = (256, 128)
@@ -267,7 +267,7 @@ def _bokeh(option: str, module: str = "page") -> Any:
 def _serve(target: Target, options: argparse.Namespace) -> int:
     live = _bokeh("--serve", "live")
     if not isinstance(target.source, Plate):
-        stiffness_alone(target.source, "--serve: the system")
+        stiffness_alone(target.source.at(target.window[0]), "--serve: the system")
     state = live.State(target.source, target.window, (0.0, target.eps))
     server = live.serve(target.title, state, port=options.port, order=options.order, n_jobs=options.jobs)
     print(f"open http://{live.ADDRESS}:{server.port}/ in a browser; stop with Ctrl-C", flush=True)

@@ -17,7 +17,7 @@ from compare.files.matrix_market import read_matrix_market, write_matrix_market
 from compare.files.names import Part, matrices_of, parts_of, system_of
 from compare.files.publish import staged
 from compare.files.python_file import run_python_file
-from periodic import AnySystem, FirstOrderSystem, PeriodicSystem
+from periodic import AnyFamily, AnySystem, FirstOrderSystem, PeriodicSystem
 from periodic.checks import FloatArray, real_array
 
 # Coordinates of a system from a file. So many can still be integrated; a larger model has to be reduced to its lowest
@@ -32,7 +32,7 @@ SYSTEM_FORMATS = (
 )
 
 
-def load_system(path: str | Path) -> AnySystem:
+def load_system(path: str | Path) -> AnyFamily:
     """Read a system from a file of matrices, or from a Python file.
 
     Parameters
@@ -42,11 +42,11 @@ def load_system(path: str | Path) -> AnySystem:
         M, G, C, K and what the excitation adds to them, K1c, C2s, K1c_2, ...; or A, A1c, ... of x' = A x. In capitals
         or not, dense or sparse. M, K (or A) and one excited matrix are needed, the others are zero if missing.
         docs/matrices.md describes the format. Or a Python file (.py) with a function ``system()`` that returns a
-        `PeriodicSystem` or a `FirstOrderSystem`: it is executed.
+        `PeriodicSystem`, a `FirstOrderSystem` or a family of them, such as a `MovingBeam`: it is executed.
 
     Returns
     -------
-    PeriodicSystem or FirstOrderSystem
+    PeriodicSystem or FirstOrderSystem, or what a Python file returned
 
     Raises
     ------

@@ -5,19 +5,21 @@ from __future__ import annotations
 import runpy
 from pathlib import Path
 
-from periodic import AnySystem, FirstOrderSystem, PeriodicSystem
+from periodic import AnyFamily, any_member_at
 
 # The function that a file defines.
 FUNCTION = "system"
+# A family is asked for its member at this frequency, to see whether it has any.
+FREQUENCY_TRIED = 1.0
 
 
-def run_python_file(path: Path) -> AnySystem:
-    """Execute a file and return what its function ``system()`` returns.
+def run_python_file(path: Path) -> AnyFamily:
+    """Execute a file and return what its function ``system()`` returns: a system, or a family such as a plate.
 
     Raises
     ------
     ValueError
-        If it cannot be read or executed, has no such function, the function fails, or returns no system.
+        If it cannot be read or executed, has no such function, the function fails, or returns no system or family.
     """
     if not path.is_file():
         raise ValueError(f"{path}: it is no file")
@@ -33,10 +35,10 @@ def run_python_file(path: Path) -> AnySystem:
     except (Exception, SystemExit) as error:
         hint = "; its parameters need defaults" if "missing" in str(error) and isinstance(error, TypeError) else ""
         raise ValueError(f"{path}: {FUNCTION}() failed ({_what(error)}){hint}") from error
-    if not isinstance(found, PeriodicSystem | FirstOrderSystem):
-        raise ValueError(
-            f"{path}: {FUNCTION}() returned {found!r}; let it return a periodic.PeriodicSystem or FirstOrderSystem"
-        )
+    try:
+        any_member_at(found, FREQUENCY_TRIED, f"what {FUNCTION}() returned")
+    except Exception as error:
+        raise ValueError(f"{path}: {error}") from error
     return found
 
 

@@ -14,7 +14,7 @@ from compare.study.study import Subject
 from compare.study.truncation import lowest_modes
 from compare.window import MODES_SHOWN, default_window
 from floquet.boundary import natural_modes
-from periodic import AnySystem, has_stiffness_alone
+from periodic import AnyFamily, AnySystem, PeriodicSystem, has_stiffness_alone
 from periodic.checks import FloatArray, interval, real_number, whole_number
 from periodic.system import SYMMETRY_TOLERANCE
 from perturb import gyroscopic_modes, transition_curves
@@ -30,7 +30,7 @@ class OwnSystem:
     Attributes
     ----------
     path : Path
-    system : PeriodicSystem or FirstOrderSystem
+    system : AnyFamily
         As it is integrated: a large one with periodic stiffness alone in its lowest modes.
     window, eps : (float, float), float
         Excitation frequencies and largest amplitude.
@@ -39,7 +39,7 @@ class OwnSystem:
     """
 
     path: Path
-    system: AnySystem
+    system: AnyFamily
     window: tuple[float, float]
     eps: float
     remark: str
@@ -73,18 +73,17 @@ def own_system(
     window, eps = Omega_range, eps_max
     if window is None or eps is None:
         try:
-            default, default_eps = default_window(system)
+            default, default_eps = default_window(system.at(0.0))
         except ValueError as error:
             raise ValueError(f"{path}: {error}") from None
         window, eps = window or default, default_eps if eps is None else eps
     low, high = interval("Omega_range", window, nonnegative=True)
     window = real_number("Omega_range[0]", low, positive=True), high
     eps = real_number("eps_max", eps, positive=True)
-    elastic, rigid = elastic_part(system, high)
-    system = elastic.at(high)
-    small, remark = system, ""
-    if has_stiffness_alone(system) and not all_modes:
-        small, remark = lowest_modes(system, window, eps)
+    small, rigid = elastic_part(system, high)
+    remark = ""
+    if isinstance(small, PeriodicSystem) and has_stiffness_alone(small) and not all_modes:
+        small, remark = lowest_modes(small, window, eps)
     if rigid:
         motions = "1 rigid-body motion is" if rigid == 1 else f"{rigid} rigid-body motions are"
         set_apart = f"{motions} set apart: without stiffness, and the excitation never touches it."
@@ -105,11 +104,11 @@ def system_subject(own: OwnSystem, *, points: tuple[int, int] = CHART_POINTS, mo
     """
     whole_number("modes", modes, least=1)
     columns, rows = (whole_number("points", number, least=2, most=MAX_CHART_POINTS) for number in points)
-    system = own.system
+    family, system = own.system, own.system.at(own.window[1])
     try:
         if has_stiffness_alone(system) and not _is_unsymmetric(system.stiffness[None]):
             gyroscopic_modes(system)  # refuses what is unstable without excitation: it has no regions
-        curves = transition_curves(system, own.window)
+        curves = transition_curves(family, own.window)
     except ValueError as error:
         field = str(error).partition(" ")[0]
         name = f"{MATRIX_NAMES[field]} ({field})" if field in MATRIX_NAMES else "the system"
@@ -118,7 +117,7 @@ def system_subject(own: OwnSystem, *, points: tuple[int, int] = CHART_POINTS, mo
             "scripts/explore.py --system draws its chart without"
         ) from None
     if not any(max(curve.p, curve.q) <= modes for curve in curves):
-        found = natural_modes(own.system, own.window[1]).exponents.imag
+        found = natural_modes(system, own.window[1]).exponents.imag
         lowest = ", ".join(f"{frequency:.4g}" for frequency in found[:modes])
         raise ValueError(
             f"{own.path}: none of the regions between the {modes} lowest modes (natural frequencies {lowest}) starts "
@@ -134,7 +133,7 @@ def system_subject(own: OwnSystem, *, points: tuple[int, int] = CHART_POINTS, mo
     return Subject(
         name=own.path.stem,
         title=own.path.name,
-        systems={"": system},
+        systems={"": family},
         window=own.window,
         eps=own.eps,
         points=(columns, rows),

@@ -108,7 +108,7 @@ def test_matrix_market_files_as_scipy_writes_them(tmp_path: Path, layout: str, s
         kind = symmetry if name == "F1c" else "symmetric"
         scipy.io.mmwrite(tmp_path / f"{name}.mtx", value, comment="a comment", symmetry=kind, precision=17)
     (tmp_path / "notes.txt").write_text("not a matrix")
-    np.testing.assert_array_equal(load_system(tmp_path).cosine[0], F4)
+    np.testing.assert_array_equal(load_system(tmp_path).at(1.0).cosine[0], F4)
 
 
 @pytest.mark.parametrize(

@@ -10,8 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from beam import MovingBeam
 from compare.files import load_system, save_system
 from compare.files.names import Part, matrices_of, part_of, system_of
+from compare.study import own_system, system_subject
 from compare.window import default_window
 from floquet import monodromy
 from periodic import FirstOrderSystem, PeriodicSystem, Term, waveforms
@@ -157,12 +159,22 @@ def test_a_python_file(tmp_path: Path) -> None:
     assert np.trace(found.matrix) == pytest.approx(trace, abs=1e-12)
 
 
+def test_a_python_file_with_a_family(tmp_path: Path) -> None:
+    text = "from beam import MovingBeam\ndef system(speed=2.0): return MovingBeam(speed, 0.64, damping=0.001)\n"
+    (tmp_path / "belt.py").write_text(text, encoding="utf-8")
+    beam = MovingBeam(2.0, 0.64, damping=0.001)
+    assert load_system(tmp_path / "belt.py") == beam
+    own = own_system(tmp_path / "belt.py", (8.0, 40.0), 0.1)
+    assert own.system == beam  # a family, not its member at one frequency
+    assert system_subject(own, modes=1).systems == {"": beam}
+
+
 @pytest.mark.parametrize(
     ("text", "wanted"),
     [
         ("x = 1", r"has no function system\(\)"),
         ("def system(a): pass", r"system\(\) failed \(TypeError: .*its parameters need defaults"),
-        ("def system(): return 3", r"system\(\) returned 3"),
+        ("def system(): return 3", r"what system\(\) returned = 3 is no system"),
         ("import nothing_of_that_name", r"cannot be executed \(ModuleNotFoundError"),
         ("raise SystemExit(3)", r"cannot be executed \(SystemExit: 3"),
     ],
