@@ -8,7 +8,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from benchmarks import limits, methods, scaling, tables
+from benchmarks import general, limits, methods, scaling, tables
 
 BENCHMARK_HELP = """\
 Peers that are not installed are skipped; pip install 'floquet-charts[bench]' brings them. Set OPENBLAS_NUM_THREADS=1,
@@ -69,6 +69,7 @@ def _measured(plan: methods.Plan) -> Iterator[str]:
         comparisons.append(found)
         print(f"measured: n = {found.size}, damping {found.damping:g}", file=sys.stderr, flush=True)
     yield tables.comparison_table(comparisons)
+    yield tables.general_table(general.general_charts(plan))
     yield tables.stages_table(scaling.all_stages(plan))
     yield tables.scaling_table(scaling.scaling(plan))
     yield tables.start_up_table(scaling.start_up(plan))

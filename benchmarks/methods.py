@@ -42,9 +42,6 @@ class Plan:
     timed: int = 3
 
 
-QUICK_PLAN = Plan(columns=64, rows=64, sizes=(12, 28), rounds=(2, 1), points=4, timed=2)
-
-
 # A first look, in a minute or two.
 QUICK_PLAN = Plan(columns=64, rows=64, sizes=(12, 28), rounds=(2, 1), points=4, timed=2)
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from floquet import StabilityChart, stability_chart
+from periodic import AnyFamily
 from periodic.checks import FloatArray
 from plate import EdgeLoad, MovingPlate
 
@@ -18,11 +19,19 @@ PLATE_TERMS = {12: (3, 4), 28: (4, 7), 60: (6, 10)}
 BENCHMARK_DAMPING = 1e-3
 
 
-def plate(size: int, damping: float) -> MovingPlate:
-    """Return the plate of ``size`` coordinates: partly loaded edges, static in-plane stress."""
+def plate(size: int, damping: float, **pulsation: float) -> MovingPlate:
+    """Return the plate of ``size`` coordinates: partly loaded edges, static in-plane stress.
+
+    ``pulsation``: ``speed_amplitude`` and ``load_amplitude`` of `MovingPlate`, if the speed pulsates.
+    """
     axial, lateral = PLATE_TERMS[size]
     return MovingPlate(
-        load=EdgeLoad.partial(0.5), inplane="static", axial_terms=axial, lateral_terms=lateral, damping=damping
+        load=EdgeLoad.partial(0.5),
+        inplane="static",
+        axial_terms=axial,
+        lateral_terms=lateral,
+        damping=damping,
+        **pulsation,  # type: ignore[arg-type]
     )
 
 
@@ -30,7 +39,7 @@ def grids(columns: int, rows: int) -> tuple[FloatArray, FloatArray]:
     return np.linspace(20.0, 80.0, columns), np.linspace(0.0, 1.0, rows)
 
 
-def chart(family: MovingPlate, Omega: FloatArray, eps: FloatArray, jobs: int = 1) -> StabilityChart:
+def chart(family: AnyFamily, Omega: FloatArray, eps: FloatArray, jobs: int = 1) -> StabilityChart:
     return stability_chart(family, Omega, eps, n_jobs=jobs, audit=0, progress=False)
 
 

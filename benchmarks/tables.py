@@ -10,6 +10,7 @@ import numpy as np
 from llvmlite.binding import get_host_cpu_name
 from threadpoolctl import threadpool_info
 
+from benchmarks.general import GeneralTiming
 from benchmarks.methods import Comparison
 from benchmarks.stages import Stages
 
@@ -42,6 +43,24 @@ def comparison_table(comparisons: Sequence[Comparison]) -> str:
                 f"{start} {1e6 * timing.median:,.1f} | {timing.spread:.0%} | {ratio:,.0f} | {timing.error:.0e} "
                 f"| {setting} |"
             )
+    return "\n".join(lines)
+
+
+def general_table(found: Sequence[GeneralTiming]) -> str:
+    """Return the figures of other systems than eq. (11) as a Markdown table."""
+    lines = [
+        "| chart | points | CPU µs per point | times the cosine (least, largest) | error | DOP853, µs | times | rtol |",
+        "|:--|--:|--:|--:|--:|--:|--:|--:|",
+    ]
+    for one in found:
+        ours = float(np.median(one.seconds))
+        ratio = ""
+        if one.ratios:
+            ratio = f"{np.median(one.ratios):.2f} ({min(one.ratios):.2f}, {max(one.ratios):.2f})"
+        peer = "no setting reached 1e-08 | | |"
+        if np.isfinite(one.peer_seconds):
+            peer = f"{1e6 * one.peer_seconds:,.0f} | {one.peer_seconds / ours:,.0f} | {one.peer_setting:g} |"
+        lines.append(f"| {one.name} | {one.points:,} | {1e6 * ours:,.1f} | {ratio} | {one.error:.0e} | {peer}")
     return "\n".join(lines)
 
 

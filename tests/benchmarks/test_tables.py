@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks import Comparison, Timing, __main__, limits, methods, scaling
+from benchmarks import Comparison, Timing, __main__, general, limits, methods, scaling
+from benchmarks.general import GeneralTiming
 from benchmarks.scaling import fresh_process
 from benchmarks.stages import Stages
 from benchmarks.tables import TABLES_BEGIN, TABLES_END, comparison_table, conditions
@@ -35,7 +36,9 @@ def test_fresh_process_reports_itself() -> None:
 
 def test_tables_go_between_the_marks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     chart = Timing("stability_chart", "all", (1e-5,), 1e-11)
+    timing = GeneralTiming("rectangular wave", 512, (3e-5, 2e-5, 4e-5), (1.5, 1.4, 1.7), 2e-12, 6e-3, 1e-6)
     monkeypatch.setattr(methods, "compare_methods", lambda plan: iter([Comparison(12, 0.0, (chart,), ())]))
+    monkeypatch.setattr(general, "general_charts", lambda plan: [timing])
     monkeypatch.setattr(scaling, "scaling", lambda plan: [("16 x 8, 1 job", 3.0, 0.5), ("16 x 8, 2 jobs", 3.0, 0.3)])
     monkeypatch.setattr(scaling, "all_stages", lambda plan: {(12, 0.0): Stages(1.0, 2.0, 1.0, 3e10, 6e10)})
     monkeypatch.setattr(scaling, "start_up", lambda plan: [("import", 0.5, 0.4, 99.0)])
@@ -48,6 +51,7 @@ def test_tables_go_between_the_marks(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert "old" not in text
     for part in (
         "| 12 | 0 | stability_chart | all | 10.0 |",
+        "| rectangular wave | 512 | 30.0 | 1.50 (1.40, 1.70) | 2e-12 | 6,000 | 200 | 1e-06 |",
         "| 12 | 0 | 25% | 50% | 25% | 30 | 50% |",
         "| 16 x 8, 1 job | 3.0 | 0.50 |",
         "Parallel efficiency on two cores: 0.83.",
