@@ -27,8 +27,6 @@ SPEED_AMPLITUDE = 0.3
 TEETH, CONTACT = (23, 47), (0.6, 0.7)
 # Frequencies of a wheel of the drive: its 23rd and 47th harmonic meet natural frequencies.
 GEAR_FREQUENCIES, GEAR_GRID = (0.05, 0.2), (64, 32)
-# Part of a period by which DOP853 keeps off a jump.
-BESIDE_JUMP = 1e-12
 
 
 class Subject(NamedTuple):
@@ -169,9 +167,8 @@ def dop853_between_jumps(rtol: float) -> Callable[[Any, float, float], FloatArra
         jumps = {jump for term in terms for jump in term.waveform.jumps}
         for a, b in pairwise(sorted({0.0, 1.0, *jumps})):
 
-            def rate(x: float, y: FloatArray, a: float = a, b: float = b) -> FloatArray:
-                theta = 2 * np.pi * min(max(x, a + BESIDE_JUMP), b - BESIDE_JUMP)
-                A = free + sum((float(g.values(theta)) * X for g, X in waves), np.zeros((2 * n, 2 * n)))
+            def rate(x: float, y: FloatArray, inside: float = (a + b) / 2) -> FloatArray:
+                A = free + sum((g.value_beside(x, inside) * X for g, X in waves), np.zeros((2 * n, 2 * n)))
                 return np.asarray((2 * np.pi / Omega * A @ y.reshape(2 * n, 2 * n)).ravel())
 
             part = scipy.integrate.solve_ivp(rate, (a, b), Phi.ravel(), method="DOP853", rtol=rtol, atol=rtol)
