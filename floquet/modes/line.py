@@ -257,7 +257,9 @@ def _may_have_met(before: _Followed, after: _Followed) -> bool:
         share = np.clip(np.nan_to_num(-(start * (end - start).conj()).real / way**2), 0, 1)
     nearest = np.abs(start + share * (end - start))
     subsystem = after.station.subsystem[after.order]
-    may = (subsystem[:, None] == subsystem) & (np.abs(turns) <= (COUPLED_HARMONICS if after.station.excited else 0))
+    # without excitation any mode is a subsystem of its own, at each value another one
+    together = (subsystem[:, None] == subsystem) | (not after.station.excited)
+    may = together & (np.abs(turns) <= (COUPLED_HARMONICS if after.station.excited else 0))
     inside = (share > 0) & (share < 1) & (way > MIN_GAP * Omega)
     np.fill_diagonal(may, False)
     return bool((may & inside & (nearest < MEETING * way)).any())

@@ -7,9 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from compare.ladder import DampingScaled
-from compare.rigid import elastic_part
-from floquet import trace_boundary, trace_regions
+from floquet import trace_regions
 from floquet.engine import subsystems
 from floquet.oracle import reduce_system, rigid_basis
 from periodic import (
@@ -162,10 +160,7 @@ def test_methods_for_stiffness_alone_refuse_everything_else(made: Any) -> None:
     calls = [
         lambda: stiffness_alone(made),
         lambda: member_at(made, 1.0),
-        lambda: trace_boundary(made, near=2.0, eps=[0.1]),
         lambda: trace_regions(made, (1.0, 2.0), (0.0, 0.1), progress=False),
-        lambda: elastic_part(made, 1.0),
-        lambda: DampingScaled(made, 0.5).at(1.0),
         lambda: reduce_system(made, 0.1, 1.0),
         lambda: rigid_basis(made, 0.1),
     ]
