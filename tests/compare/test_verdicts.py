@@ -125,6 +125,7 @@ def test_strong_damping_is_no_crash_but_no_agreement() -> None:
     assert "damping moves the natural frequencies" in verdicts["2ω₁"].reason
 
 
+@pytest.mark.slow
 def test_instability_without_edges_is_not_called_closed() -> None:
     # undamped under an unsymmetric load, solutions grow between the resonances, too
     gyroscopic, F = [[0.0, 0.3], [-0.3, 0.0]], [[[1.0, 2.0], [-1.0, 0.5]], [[0.2, 0.7], [-0.4, 0.1]]]

@@ -20,7 +20,6 @@ from periodic import (
     stiffness_alone,
     waveforms,
 )
-from perturb import gyroscopic_modes
 
 X = np.array([[1.0, 0.3], [0.3, -0.5]])
 SKEW = np.array([[0.0, 1.0], [-1.0, 0.0]])
@@ -168,7 +167,5 @@ def test_methods_for_stiffness_alone_refuse_everything_else(made: Any) -> None:
         with pytest.raises(ValueError, match=r"(is of first order|has a term of).*this method takes.*alone"):
             call()
     if isinstance(made, PeriodicSystem):
-        with pytest.raises(ValueError, match="has a term of"):
-            gyroscopic_modes(made)
         with pytest.raises(ValueError, match="has a term of"):
             subsystems(made)

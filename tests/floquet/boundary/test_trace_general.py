@@ -43,7 +43,12 @@ def assert_edges_separate(system: Any, trace: BoundaryTrace) -> None:
             assert growth(system, upper - step, eps) > 0 > growth(system, upper + step, eps)
 
 
-@pytest.mark.parametrize("name", sorted({entry["system"] for entry in ENTRIES}))
+# The most expensive of the systems in the file: half a minute.
+LONG = "plate_V3.0_f10.0_r1.0_c0.0"
+NAMES = sorted({entry["system"] for entry in ENTRIES} - {LONG})
+
+
+@pytest.mark.parametrize("name", [*NAMES, pytest.param(LONG, marks=pytest.mark.slow)])
 def test_edges_of_the_references(name: str) -> None:
     # the unstable set at one amplitude is the union of what the file has; an interval may be that of another resonance
     # in the window that was searched; what is not found was said to be undecided
@@ -97,7 +102,7 @@ def distance(one: list[float], other: list[float]) -> float:
     return max(abs(a - b) for a, b in zip(one, other, strict=True))
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 5))])
 @pytest.mark.parametrize("sort", SORTS)
 def test_every_sort_of_term_by_another_integrator(sort: str, seed: int) -> None:
     rng = np.random.default_rng([seed, *sort.encode()])
