@@ -1,5 +1,5 @@
 # make validate   set up .venv and run the main job: charts by theory and by integration, laid one over the other
-# make test       set up .venv and run every check that fits in ten minutes
+# make test       set up .venv and run the checks of every change: about a quarter of an hour on two cores
 # make test-full  the slow checks as well: hunts with damaged files and deliberate faults, proofs, kills
 # make benchmark  the chart engine against its peers, as ratios
 # make docs       the documentation site, in site/; open site/index.html

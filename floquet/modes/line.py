@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import linear_sum_assignment
 from tqdm import tqdm
 
-from floquet.modes.modes import FloquetModes, modes_of
+from floquet.modes.modes import FloquetModes, modes_of, ratio_of_damping
 from floquet.modes.parametric import At, checked_make, made
 from floquet.modes.solutions import pieces_of, solutions_at
 from floquet.running import gather
@@ -100,8 +100,7 @@ class ModeLine:
     @property
     def damping_ratios(self) -> FloatArray:
         """-growth rate / modulus of the exponent, shape (m, N)."""
-        size = np.abs(self.exponents)
-        return np.asarray(-self.exponents.real / np.where(size > 0, size, 1.0))
+        return ratio_of_damping(self.exponents)
 
     @property
     def multipliers(self) -> ComplexArray:

@@ -83,7 +83,7 @@ class FloquetMode:
     @property
     def damping_ratio(self) -> float:
         """-growth rate / modulus of the exponent; 0 for the exponent 0."""
-        return float(_damping_ratio(np.array(self.exponent)))
+        return float(ratio_of_damping(np.array(self.exponent)))
 
     def periodic(self, t: ArrayLike) -> ComplexArray:
         """Return p at the times ``t``, shape (*t.shape, S); just after where something jumps."""
@@ -177,7 +177,7 @@ class FloquetModes:
     @property
     def damping_ratios(self) -> FloatArray:
         """-growth rate / modulus of the exponent, shape (N,)."""
-        return _damping_ratio(self.exponents)
+        return ratio_of_damping(self.exponents)
 
     @property
     def harmonics(self) -> NDArray[np.intp]:
@@ -395,6 +395,7 @@ def _squares(member: AnySystem, values: ComplexArray) -> FloatArray:
     return np.asarray((W.conj() * (member.mass @ W)).sum(axis=1).real)
 
 
-def _damping_ratio(exponents: ComplexArray) -> FloatArray:
+def ratio_of_damping(exponents: ComplexArray) -> FloatArray:
+    """Return -growth rate / modulus of each exponent; 0 for the exponent 0."""
     size: Any = np.abs(exponents)
     return np.asarray(-exponents.real / np.where(size > 0, size, 1.0))
