@@ -10,7 +10,7 @@ ARGS ?=
 # Python compiles to bytecode what it imports; that pip does so with all that is there would take half of its time.
 PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile
 
-# Numba's cache does not notice an edited callee in another file: a cache folder for each state of the code.
+# Numba's cache does not notice an edited callee in another file: a cache folder for each state of what kernels are made of.
 export NUMBA_CACHE_DIR := $(CURDIR)/.numba_cache/$(shell $(PYTHON) floquet/running/source.py | cut -c1-16)
 # Workers take the cores; BLAS must not take them again.
 export OPENBLAS_NUM_THREADS := 1

@@ -14,10 +14,10 @@ from hypothesis import settings
 
 from tests.paths import ROOT
 
-# Numba's cache does not notice an edited callee in another file: a cache folder for each state of the code, the
-# same as the Makefile's. This runs before any test imports numba.
-_source_hash = runpy.run_path(str(ROOT / "floquet" / "running" / "source.py"))["source_hash"]
-os.environ.setdefault("NUMBA_CACHE_DIR", str(ROOT / ".numba_cache" / _source_hash()[:16]))
+# Numba's cache does not notice an edited callee in another file: a cache folder for each state of what kernels are
+# made of, the same as the Makefile's. This runs before any test imports numba.
+_kernel_hash = runpy.run_path(str(ROOT / "floquet" / "running" / "source.py"))["kernel_hash"]
+os.environ.setdefault("NUMBA_CACHE_DIR", str(ROOT / ".numba_cache" / _kernel_hash()[:16]))
 for _name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
     os.environ.setdefault(_name, "1")
 

@@ -10,12 +10,14 @@
 [(1.0, 0.5), (-1.0, 0.5)]
 
 How the files work together: `places` are phases of a period; `solutions` are the oracle's Floquet solutions there;
-`modes` makes modes of them, with names of branches; `response` has what finite runs show; `parametric` is a system as a
+`modes` makes a
+`mode` of each, with the name of its branch; `response` has what finite runs show; `parametric` is a system as a
 function of a parameter, along which `line` follows modes and with respect to which `sensitivity` differentiates them.
 """
 
 from floquet.modes.line import ModeLine, follow_modes
-from floquet.modes.modes import FloquetMode, FloquetModes, floquet_modes
+from floquet.modes.mode import FloquetMode
+from floquet.modes.modes import FloquetModes, floquet_modes
 from floquet.modes.response import Response, TransientGrowth
 from floquet.modes.sensitivity import Sensitivities, edge_sensitivity, exponent_sensitivities, tip_sensitivity
 

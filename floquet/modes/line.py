@@ -17,7 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import linear_sum_assignment
 from tqdm import tqdm
 
-from floquet.modes.modes import FloquetModes, modes_of, ratio_of_damping
+from floquet.modes.mode import ratio_of_damping
+from floquet.modes.modes import FloquetModes, modes_of
 from floquet.modes.parametric import At, checked_make, made
 from floquet.modes.solutions import pieces_of, solutions_at
 from floquet.running import gather

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from floquet.running import source_hash
-from floquet.running.source import PACKAGES
+from floquet.running.source import PACKAGES, kernel_hash
 from tests.paths import ROOT
 
 
@@ -33,6 +33,32 @@ def test_an_edit_in_any_room_is_another_state(copy: Path, file: str) -> None:
     assert source_hash(copy) != source_hash()
 
 
+@pytest.mark.parametrize(
+    ("file", "stale"),
+    [
+        ("floquet/engine/eigen/lanes.py", True),  # has kernels
+        ("floquet/oracle/taylor.py", True),
+        ("floquet/kind.py", True),  # values that kernels return
+        ("floquet/boundary/trace.py", False),
+        ("floquet/certified/growth.py", False),
+    ],
+)
+def test_kernels_are_stale_where_they_or_what_they_import_is_edited(copy: Path, file: str, stale: bool) -> None:
+    assert kernel_hash(copy) == kernel_hash()
+    (copy / file).write_bytes((copy / file).read_bytes() + b"\n")
+    assert (kernel_hash(copy) != kernel_hash()) is stale
+
+
+def test_every_file_with_a_kernel_counts(copy: Path) -> None:
+    with_kernels = [file for file in sorted((copy / "floquet").rglob("*.py")) if "@njit" in file.read_text()]
+    assert len(with_kernels) > 10
+    for file in with_kernels:
+        before = file.read_bytes()
+        file.write_bytes(before + b"\n")
+        assert kernel_hash(copy) != kernel_hash(), file
+        file.write_bytes(before)
+
+
 def test_a_moved_file_is_another_state(copy: Path) -> None:
     (copy / "floquet/engine/krein.py").rename(copy / "floquet/krein.py")
     assert source_hash(copy) != source_hash()
@@ -47,4 +73,4 @@ def test_other_packages_do_not_count(copy: Path) -> None:
 def test_the_makefile_gets_the_same_hash() -> None:
     # without the packages on the path: before anything is installed
     command = [sys.executable, "-I", str(ROOT / "floquet/running/source.py")]
-    assert subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip() == source_hash()
+    assert subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip() == kernel_hash()
