@@ -20,13 +20,15 @@ from floquet.engine import Tile, chart_batch, rigid_motions, steps_needed
 from floquet.kind import Kind
 from floquet.running import as_completed, replace_file
 from periodic import AnyFamily, any_member_at
-from periodic.checks import ComplexArray, FloatArray, grid, one_of, whole_number, workers
+from periodic.checks import ComplexArray, FloatArray, grid, interval, one_of, whole_number, workers
 
 # Columns of a task: enough to hide joblib's overhead and to share the measurement of the error, and few enough for this
 # number of tasks, which balances the load.
 MIN_TASK_COLUMNS, MAX_TASK_COLUMNS, TASKS_PER_CHART = 8, 16, 16
 CELL_ARRAYS = Tile._fields
 AUDIT_ARRAYS = ("cells", "differences", "estimates", "contradictions")
+# Frequencies and amplitudes of a chart that is asked for by ranges.
+FREQUENCIES_IN_RANGE, AMPLITUDES_IN_RANGE = 256, 128
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,6 +83,15 @@ class StabilityChart:
                 raise ValueError(f"{name} has shape {array.shape}; give {shape}, as eps and Omega have")
             object.__setattr__(self, name, array)
             array.setflags(write=False)
+
+    def __repr__(self) -> str:
+        ends = ", ".join(
+            f"{name} {values[0]:.6g} to {values[-1]:.6g} ({values.size})"
+            for name, values in (("Omega", self.Omega), ("eps", self.eps))
+        )
+        unstable, undecided = (self.kind > Kind.STABLE).mean(), (self.kind == Kind.UNDECIDED).mean()
+        doubt = f", {undecided:.1%} undecided" if undecided else ""
+        return f"StabilityChart({ends}: {unstable:.1%} of the cells unstable{doubt})"
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the chart to the .npz file ``path``, which is replaced only once the new file is complete.
@@ -155,10 +166,12 @@ def stability_chart(
     ----------
     family : SystemFamily
         A `PeriodicSystem` or a `FirstOrderSystem`, or anything whose ``at(Omega)`` returns one.
-    Omega : array_like, shape (m,)
-        Excitation frequencies, positive and strictly increasing, in the units of the system.
-    eps : array_like, shape (k,)
-        Relative excitation amplitudes, strictly increasing, of any sign, dimensionless.
+    Omega : array_like, shape (m,), or (float, float)
+        Excitation frequencies, positive and strictly increasing, in the units of the system. A tuple of two is a range,
+        as for `trace_regions`: 256 frequencies from the first to the second. A list of two is two frequencies.
+    eps : array_like, shape (k,), or (float, float)
+        Relative excitation amplitudes, strictly increasing, of any sign, dimensionless. A tuple of two is a range: 128
+        amplitudes.
     n_jobs : int or None
         Workers, as in joblib: -1 for all cores, None for what `joblib.parallel_config` says. Threads, unless
         `joblib.parallel_config` names another backend. The result is the same to the last bit.
@@ -188,7 +201,8 @@ def stability_chart(
     process 0.2 GB more for the plans that they share; most charts need a hundredth of that. The chart itself takes 33
     bytes a cell. docs/scale.md says what large charts cost.
     """
-    Omega, eps = grid("Omega", Omega, positive=True), grid("eps", eps)
+    Omega = grid("Omega", _spread("Omega", Omega, FREQUENCIES_IN_RANGE), positive=True)
+    eps = grid("eps", _spread("eps", eps, AMPLITUDES_IN_RANGE))
     any_member_at(family, float(Omega[0]), "family")
     n_jobs = workers("n_jobs", n_jobs)
     progress = one_of("progress", progress, (True, False, None))
@@ -214,6 +228,13 @@ def stability_chart(
         Omega, eps, *cells, rigid=max(rigid_motions(member, float(w)) for member, w in zip(members, few, strict=True))
     )
     return chart if audit == 0 else replace(chart, audit=_audited(family, chart, audit, n_jobs))
+
+
+def _spread(name: str, values: ArrayLike, count: int) -> ArrayLike:
+    """Return ``count`` values from the first to the second of a tuple of two; all else as it is."""
+    if isinstance(values, tuple) and len(values) == 2:
+        return np.linspace(*interval(name, values), count)
+    return values
 
 
 def task_columns(columns: int) -> list[slice]:

@@ -98,6 +98,24 @@ def test_points_can_be_computed_alone() -> None:
         assert (difference <= part.error + whole.error[i, j]).all()
 
 
+def test_a_tuple_of_two_is_a_range() -> None:
+    """As for `trace_regions`; a list of two stays two frequencies."""
+    wide = stability_chart(mathieu(1.0), (1.9, 2.1), [0.1, 0.2], audit=0, n_jobs=1, progress=False)
+    assert wide.Omega == pytest.approx(np.linspace(1.9, 2.1, 256), abs=1e-15)
+    assert wide.eps.tolist() == [0.1, 0.2]
+    tall = stability_chart(mathieu(1.0), [1.9, 2.1], (0.1, 0.2), audit=0, n_jobs=1, progress=False)
+    assert tall.kind.shape == (128, 2)
+    for start, wrong in (("Omega", ((2.1, 1.9), [0.1])), ("eps", ([2.0], (0.2, 0.2)))):
+        with pytest.raises(ValueError, match=f"^{start} = .* is empty; give low < high"):
+            stability_chart(mathieu(1.0), *wrong, progress=False)
+
+
+def test_a_chart_shows_itself_in_a_line(example: StabilityChart) -> None:
+    parts = [f"{100 * np.count_nonzero(cells) / 357:.1f}%" for cells in (example.kind > 0, example.kind < 0)]
+    expected = "StabilityChart(Omega 0.6 to 2.6 (21), eps 0 to 0.8 (17): {} of the cells unstable, {} undecided)"
+    assert repr(example) == expected.format(*parts)
+
+
 def test_uneven_grids() -> None:
     system = random_system(22, 2, 1, damping=0.1)
     found = chart(system, [0.7, 0.71, 5.0, 40.0], [-3.0, -1e-9, 0.0, 1e-12, 0.2, *np.linspace(0.5, 0.6, 12), 2.0])
