@@ -14,10 +14,10 @@ from typing import Any
 
 try:
     from beam import MovingBeam
-    from compare.files import load_case, load_system
+    from compare.files import did_you_mean, load_case, load_system
     from floquet_scripts import running
     from periodic import AnyFamily, examples
-    from periodic.checks import real_number, whole_number
+    from periodic.checks import whole_number
     from plate import MovingPlate
 except ModuleNotFoundError as error:
     if __name__ != "__main__":
@@ -40,15 +40,15 @@ EXAMPLES: dict[str, Callable[..., AnyFamily]] = {
 
 EPILOG = """\
 examples:
-  scripts/certify.py --example mathieu --at 1.9,0.3
-  scripts/certify.py --example mathieu --set delta=2.5 --set damping=0.01 --at 3.1,0.4 --at 3.2,0.4
-  scripts/certify.py --example coupled --set type=difference --set frequencies=1,1.7 --at 0.7,0.5
-  scripts/certify.py --example beam --set speed=0.6 --set flexural_rigidity=0.64 --at 20,0.3
-  scripts/certify.py --example plate --set speed_amplitude=0.5 --set axial_terms=2 --at 18.6,0.3
-  scripts/certify.py --case cases/fig2.toml --at 18.6,0.3
-  scripts/certify.py --case cases/fig2.toml --terms 3,2 --at 18.6,0.3
-  scripts/certify.py --system mine.npz --at 4.2,0.1
-  scripts/certify.py --system mine.py --at 4.2,0.1
+  {command} --example mathieu --at 1.9,0.3
+  {command} --example mathieu --set delta=2.5 --set damping=0.01 --at 3.1,0.4 --at 3.2,0.4
+  {command} --example coupled --set type=difference --set frequencies=1,1.7 --at 0.7,0.5
+  {command} --example beam --set speed=0.6 --set flexural_rigidity=0.64 --at 20,0.3
+  {command} --example plate --set speed_amplitude=0.5 --set axial_terms=2 --at 18.6,0.3
+  {command} --case fig2 --at 18.6,0.3
+  {command} --case fig2 --terms 3,2 --at 18.6,0.3
+  {command} --system mine.npz --at 4.2,0.1
+  {command} --system mine.py --at 4.2,0.1
 
 The verdict is a theorem about the ordinary differential equations with exactly these coefficients: the matrices and
 waveforms as float64 numbers, Omega and eps as the float64 numbers next to the decimals given. It comes from ball
@@ -99,15 +99,18 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        description=__doc__, epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = running.Parser("certify", __doc__, EPILOG)
     what = parser.add_mutually_exclusive_group(required=True)
-    what.add_argument("--case", type=Path, metavar="FILE", help="a case file: each of its plates (docs/cases.md)")
-    what.add_argument("--system", type=Path, metavar="FILE", help="your own matrices (docs/matrices.md)")
+    what.add_argument("--case", type=Path, metavar="CASE", help=f"each plate of {running.CASE_HELP}")
+    what.add_argument("--system", type=Path, metavar="FILE", help=running.SYSTEM_HELP)
     what.add_argument("--example", choices=sorted(EXAMPLES), help="a small system with known answers")
     parser.add_argument(
-        "--at", type=_point, action="append", required=True, metavar="OMEGA,EPS", help="the point; may be repeated"
+        "--at",
+        type=running.point,
+        action="append",
+        required=True,
+        metavar="OMEGA,EPS",
+        help="the point; may be repeated",
     )
     parser.add_argument("--terms", type=_terms, metavar="K,L", help="axial and lateral terms of the plates of --case")
     parser.add_argument(
@@ -115,14 +118,6 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--bits", type=int, default=512, metavar="N", help="highest precision, 128 to 2048 (512)")
     return parser
-
-
-def _point(text: str) -> tuple[float, float]:
-    try:
-        Omega, eps = map(float, text.split(","))
-        return real_number("Omega", Omega, positive=True), real_number("eps", eps)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is no point; give Omega > 0 and eps, such as 18.6,0.3") from None
 
 
 def _terms(text: str) -> tuple[int, int]:
@@ -170,7 +165,8 @@ def _example(name: str, settings: dict[str, Any]) -> dict[str, AnyFamily]:
     }
     for key in settings:
         if key not in known:
-            raise ValueError(f"--set {key}: {name} has no such parameter; it has {', '.join(known)}")
+            suggestion = did_you_mean(key, known)
+            raise ValueError(f"--set {key}: {name} has no such parameter; it has {', '.join(known)}{suggestion}")
     values = known | settings
     for key, value in values.items():
         if value is inspect.Parameter.empty:

@@ -31,7 +31,7 @@ try:
     from floquet_scripts import running
     from floquet_scripts.compiling import announce_compilation
     from periodic import AnyFamily, SystemFamily, stiffness_alone
-    from periodic.checks import one_of, real_number
+    from periodic.checks import one_of
 except ModuleNotFoundError as error:
     if __name__ != "__main__":
         raise
@@ -44,17 +44,18 @@ except ModuleNotFoundError as error:
 
 EXPLORE_HELP = f"""\
 examples:
-  scripts/explore.py                                   the standard plate; pictures and data go to output/
-  scripts/explore.py --case cases/fig4.toml --variant "middle half" --eps 2
-  scripts/explore.py --system mine.npz --Omega 1 30    your own matrices (docs/matrices.md)
-  scripts/explore.py --system mine.npz --html          and a page to click in, in one file
-  scripts/explore.py --serve                           the same page live, with sliders, on this machine only
-  scripts/explore.py --sweep speed=0:4.3:40            how the regions move with the speed
+  {{command}}                                   the standard plate; pictures and data go to output/
+  {{command}} --case fig4 --variant "middle half" --eps 2
+  {{command}} --system mine.npz --Omega 1 30    your own matrices
+  {{command}} --system mine.npz --html          and a page to click in, in one file
+  {{command}} --serve                           the same page live, with sliders, on this machine only
+  {{command}} --sweep speed=0:4.3:40            how the regions move with the speed
 
 --sweep takes {", ".join(SWEEPABLE)} (of the load).
 Without --Omega and --eps the window is the case's. For a system it is one that shows the main regions of its three
 lowest modes. The exit status is 0 if everything was written and 2 if the input is wrong.
 
+{running.SYSTEM_FILES_HELP}
 {running.STOPPED_RUNS_HELP}"""
 STANDARD_NAME, STANDARD_TITLE = "plate", "Standard plate: a/b = 1, ν = 0.3, V = 3, f₀ = 10"
 OPTIONS_OF_CHARTS = ("points", "html", "netcdf", "no_regions")
@@ -104,14 +105,10 @@ def _explore(target: Target, options: argparse.Namespace, store: TileStore) -> i
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        description=__doc__, epilog=EXPLORE_HELP, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = running.Parser("explore", __doc__, EXPLORE_HELP)
     what = parser.add_argument_group("what to explore (by default the standard plate)").add_mutually_exclusive_group()
-    what.add_argument("--case", type=Path, metavar="FILE", help="a case file, as in cases/")
-    what.add_argument(
-        "--system", type=Path, metavar="FILE", help="your system: .npz, .mat, a folder of .mtx files or a .py file"
-    )
+    what.add_argument("--case", type=Path, metavar="CASE", help=running.CASE_HELP)
+    what.add_argument("--system", type=Path, metavar="FILE", help=running.SYSTEM_HELP)
     parser.add_argument("--variant", metavar="LABEL", help="one of a case that has several; the first if not given")
     window = parser.add_argument_group("where")
     window.add_argument("--Omega", type=float, nargs=2, metavar=("LOW", "HIGH"), help="excitation frequencies")
@@ -135,8 +132,7 @@ def _parser() -> argparse.ArgumentParser:
 
 def _check(options: argparse.Namespace) -> None:
     """Refuse options that would have no effect, and amplitudes that are none."""
-    if options.eps is not None:
-        real_number("--eps", options.eps, positive=True)
+    running.check_window(options)
     if options.all_modes and not options.system:
         raise ValueError("--all-modes belongs to a system; add --system")
     without_effect = {"serve": ("sweep", *OPTIONS_OF_CHARTS), "sweep": ("Omega", *OPTIONS_OF_CHARTS)}
@@ -144,6 +140,10 @@ def _check(options: argparse.Namespace) -> None:
         for other in others:
             if getattr(options, instead) and getattr(options, other):
                 raise ValueError(f"--{other.replace('_', '-')} has no meaning with --{instead}; leave it out")
+    if options.netcdf:
+        running.check_extra("--netcdf", "xarray", "xarray")
+    if options.html or options.serve:
+        running.check_extra("--html" if options.html else "--serve", "bokeh", "explore")
 
 
 def _target(options: argparse.Namespace) -> Target:
@@ -179,7 +179,7 @@ def _target(options: argparse.Namespace) -> Target:
 def _charted(target: Target, options: argparse.Namespace, store: TileStore) -> Callable[[Path], None]:
     """Compute and report; return what writes the result into a folder."""
     family, progress = target.family, not options.no_progress
-    bokeh = _bokeh("--html") if options.html else None
+    bokeh: Any = import_module("compare.explorer.page") if options.html else None
     if options.html:  # the solutions that a click shows
         stiffness_alone(family.at(target.window[0]), "--html: the system")
     result = explore(
@@ -256,16 +256,8 @@ def _sweep_values(text: str) -> tuple[str, np.ndarray]:
     return name, values
 
 
-def _bokeh(option: str, module: str = "page") -> Any:
-    """Return a module of compare.explorer that needs the optional package Bokeh."""
-    try:
-        return import_module(f"compare.explorer.{module}")
-    except ModuleNotFoundError:
-        raise ValueError(f"{option} needs bokeh; install it with: pip install 'floquet-charts[explore]'") from None
-
-
 def _serve(target: Target, options: argparse.Namespace) -> int:
-    live = _bokeh("--serve", "live")
+    live: Any = import_module("compare.explorer.live")
     if not isinstance(target.source, Plate):
         stiffness_alone(target.source.at(target.window[0]), "--serve: the system")
     state = live.State(target.source, target.window, (0.0, target.eps))

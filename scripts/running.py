@@ -1,18 +1,22 @@
-"""What the long commands share: workers here or elsewhere, finished tiles that are kept, and exit statuses."""
+"""What the commands share: reading the command line, workers, finished tiles that are kept, and exit statuses."""
 
 from __future__ import annotations
 
 import argparse
 import os
+import re
 import sys
 from collections.abc import Callable
 from contextlib import suppress
+from importlib.util import find_spec
 from io import TextIOWrapper
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any, NoReturn, TextIO
 
 from compare.cluster import workers_at
+from compare.files import did_you_mean, shipped_cases
 from floquet.chart import TileStore
+from periodic.checks import interval, real_number
 
 # The folder, inside that of the results, that keeps finished tiles of charts until all is written.
 UNFINISHED_FOLDER = ".unfinished"
@@ -22,6 +26,68 @@ A run that was stopped, by Ctrl-C, kill -9 or a power cut, goes on where it was 
 --resume. Finished parts of charts are kept in {UNFINISHED_FOLDER}, in the output folder, until all is written. The
 results are the same to the last bit. Traced boundaries are not kept but computed again.
 """
+
+CASE_HELP = f"a case file, or the name of a shipped case: {', '.join(path.stem for path in shipped_cases())}"
+SYSTEM_HELP = "your system: .npz, .mat, a folder of .mtx files or a .py file"
+SYSTEM_FILES_HELP = """\
+The arrays of a system's file are M, G, C, K of M q" + (G + C) q' + K q = 0, and what is multiplied by
+eps cos(j Omega t) or eps sin(j Omega t): K1c, K1s, C2c, ... A .py file defines a function system() that returns the
+system, with waveforms that jump, if need be. All of it: docs/matrices.md and docs/systems.md of the sources.
+"""
+
+
+class Parser(argparse.ArgumentParser):
+    """A command line that says in one sentence what is wrong with it, and what may have been meant.
+
+    Its help names the command as the reader has started it: ``{command}`` in ``epilog`` stands for it.
+    """
+
+    def __init__(self, name: str, description: str | None, epilog: str) -> None:
+        self._name = name
+        script = Path(sys.argv[0]).name == f"{name}.py"
+        command = f"scripts/{name}.py" if script else f"floquet-charts {name}"
+        super().__init__(
+            prog=command,
+            description=description,
+            epilog=epilog.replace("{command}", command),
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+
+    def error(self, message: str) -> NoReturn:
+        """End with exit status 2 and a sentence."""
+        unknown = re.fullmatch(r"unrecognized arguments: (\S+).*", message, re.DOTALL)
+        choice = re.fullmatch(r".*invalid choice: '([^']*)' \(choose from (.*)\)", message, re.DOTALL)
+        hint = ""
+        if unknown:
+            message = f"{unknown[1]} is not known here"
+            hint = did_you_mean(unknown[1], (name for action in self._actions for name in action.option_strings))
+        elif choice:
+            hint = did_you_mean(choice[1], choice[2].replace("'", "").split(", "))
+        print(f"{self._name}: {message}{hint}; {self.prog} --help shows all", file=sys.stderr)
+        sys.exit(2)
+
+
+def check_window(options: argparse.Namespace) -> None:
+    """Refuse what is no window, by the names of the options. Raises ValueError."""
+    if options.Omega is not None:
+        real_number("--Omega", interval("--Omega", options.Omega)[0], positive=True)
+    if options.eps is not None:
+        real_number("--eps", options.eps, positive=True)
+
+
+def check_extra(option: str, package: str, extra: str) -> None:
+    """Refuse an option whose package is missing, before anything is computed. Raises ValueError."""
+    if find_spec(package) is None:
+        raise ValueError(f"{option} needs {package}; install it with: pip install 'floquet-charts[{extra}]'")
+
+
+def point(text: str) -> tuple[float, float]:
+    """Return the point of ``--at``."""
+    try:
+        Omega, eps = map(float, text.split(","))
+        return real_number("Omega", Omega, positive=True), real_number("eps", eps)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is no point; give Omega > 0 and eps, such as 18.6,0.3") from None
 
 
 class _Steady:

@@ -26,7 +26,6 @@ try:
     from floquet.chart import TileStore
     from floquet_scripts import running
     from floquet_scripts.compiling import announce_compilation
-    from periodic.checks import real_number
 except ModuleNotFoundError as error:
     if __name__ != "__main__":
         raise
@@ -39,23 +38,24 @@ except ModuleNotFoundError as error:
 
 VALIDATE_HELP = f"""\
 examples:
-  scripts/validate.py                          every case in cases/ and the paper's claims, written to output/
-  scripts/validate.py --case cases/fig2.toml   one case, no claims
-  scripts/validate.py --system mine.npz        your own matrices (docs/matrices.md), in a window that suits them
-  scripts/validate.py --system mine.npz --Omega 1 30 --eps 0.8 --modes 5
-  scripts/validate.py --quick --output first   coarse charts, for a first look
+  {{command}}                          every shipped case and the paper's claims, written to output/
+  {{command}} --case fig2              one case, no claims; mine.toml for your own
+  {{command}} --system mine.npz        your own matrices, in a window that suits them
+  {{command}} --system mine.npz --Omega 1 30 --eps 0.8 --modes 5
+  {{command}} --quick --output first   coarse charts, for a first look
 
-A case file names a plate, a window of excitation frequencies and the regions to look at closely; docs/cases.md lists
-its keys. Of a system, the regions of its lowest modes are judged (--modes). Give a window by --Omega and --eps, or
-leave it to the program, which takes one that shows their main regions. Theory is for small ε, where the excitation
-changes the stiffness of a region's modes little. There its gap to the integrated boundaries has to shrink like ε²; the
-report says how far it holds beyond.
+A case file names a plate, a window of excitation frequencies and the regions to look at closely; docs/cases.md of the
+sources lists its keys. Of a system, the regions of its lowest modes are judged (--modes). Give a window by --Omega and
+--eps, or leave it to the program, which takes one that shows their main regions. Theory is for small ε, where the
+excitation changes the stiffness of a region's modes little. There its gap to the integrated boundaries has to shrink
+like ε²; the report says how far it holds beyond.
 
 The exit status is 0 if no region disagrees and every case or system had something to compare, 1 if a region disagrees
 or a chart did not pass its audit by a second integrator, 2 if the input is wrong, 3 if nothing disagrees but nothing
 could be compared for a case or system. Regions that were not compared are counted apart, with the reason.
 A claim of the paper that is contradicted, with counter-examples that integration confirms, is no disagreement.
 
+{running.SYSTEM_FILES_HELP}
 {running.STOPPED_RUNS_HELP}"""
 
 
@@ -72,18 +72,18 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        description=__doc__, epilog=VALIDATE_HELP, formatter_class=argparse.RawDescriptionHelpFormatter
+    parser = running.Parser("validate", __doc__, VALIDATE_HELP)
+    what = parser.add_argument_group("what to judge (by default every shipped case, and the claims)")
+    what.add_argument(
+        "--case", type=Path, action="append", default=[], metavar="CASE", help=f"{running.CASE_HELP}; repeatable"
     )
-    what = parser.add_argument_group("what to judge (by default every case in cases/, and the claims)")
-    what.add_argument("--case", type=Path, action="append", default=[], metavar="FILE", help="a case file; repeatable")
     what.add_argument(
         "--system",
         type=Path,
         action="append",
         default=[],
         metavar="FILE",
-        help="your system: .npz, .mat, a folder of .mtx files or a .py file; repeatable",
+        help=f"{running.SYSTEM_HELP}; repeatable",
     )
     system = parser.add_argument_group("for --system")
     system.add_argument("--Omega", type=float, nargs=2, metavar=("LOW", "HIGH"), help="excitation frequencies")
@@ -104,8 +104,7 @@ def _subjects(options: argparse.Namespace) -> list[Subject]:
     given += ["all-modes"] if options.all_modes else []
     if given and not options.system:
         raise ValueError(f"--{given[0]} belongs to a system; add --system, or write it into a case file")
-    if options.eps is not None:
-        real_number("--eps", options.eps, positive=True)
+    running.check_window(options)
     subjects = [Subject.of_case(load_case(path)) for path in options.case]
     for path in options.system:
         own = own_system(path, options.Omega, options.eps, all_modes=options.all_modes)

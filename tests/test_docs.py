@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import pytest
 
+from floquet_charts.__main__ import COMMANDS
 from tests.paths import ROOT
 
 PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").glob("*.md"))]
@@ -22,7 +23,9 @@ BLOCK = re.compile(
     r"(?:\s*^```output\n(?P<output>.*?)^```\n)?",
     re.MULTILINE | re.DOTALL,
 )
-COMMAND = re.compile(r"(?:(?<!tests/)scripts/(?P<script>\w+)\.py|floquet-(?P<entry>\w+))(?P<options>[^\n`]*)")
+COMMAND = re.compile(
+    rf"(?:(?<!tests/)scripts/(?P<script>\w+)\.py|floquet-charts (?P<entry>{'|'.join(COMMANDS)})\b)(?P<options>[^\n`]*)"
+)
 OPTIONAL = {"flint", "xarray", "bokeh", "distributed"}  # packages of extras that an example may need
 
 
@@ -70,7 +73,6 @@ def test_commands_have_the_options_that_the_pages_use(capsys: pytest.CaptureFixt
         for command in COMMAND.finditer(page.read_text()):
             given = re.findall(r"(?<!\S)--[a-z][a-z-]*", command["options"])
             used.setdefault(command["script"] or command["entry"], set()).update(given)
-    used.pop("charts", None)  # the distribution, not a command
     for module in ("compiling", "running"):  # what the commands share
         used.pop(module, None)
     assert "certify" in used

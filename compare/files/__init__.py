@@ -35,6 +35,7 @@ from compare.files.cases import (
 from compare.files.matrices import load_system, save_system
 from compare.files.names import MATRIX_NAMES
 from compare.files.publish import staged
+from compare.files.spelling import did_you_mean
 
 __all__ = [
     "MATRIX_NAMES",
@@ -43,6 +44,7 @@ __all__ = [
     "Case",
     "Load",
     "Plate",
+    "did_you_mean",
     "load_case",
     "load_system",
     "save_system",

@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal, TypeVar
 from pydantic import BaseModel, ConfigDict, Field, PositiveInt, ValidationError, model_validator
 
 from beam import MovingBeam
+from compare.files.spelling import did_you_mean
 from plate import EdgeLoad, MovingPlate
 
 _T = TypeVar("_T", bound=BaseModel)
@@ -176,7 +177,7 @@ class Case(_Table):
         try:
             system = _strictly(type(table), merged).build()
         except ValidationError as error:
-            raise ValueError(_explain(error, where)) from None
+            raise ValueError(_explain(error, where, type(table))) from None
         except ValueError as error:
             raise ValueError(f"{where}: {error}") from None
         count = system.terms.coordinates if isinstance(system, MovingPlate) else system.terms
@@ -197,7 +198,7 @@ def load_case(path: str | Path) -> Case:
     Parameters
     ----------
     path : str or Path
-        A TOML file; docs/cases.md lists its tables and keys.
+        A TOML file, whose tables and keys docs/cases.md lists; or the name of a shipped case, such as "fig4".
 
     Returns
     -------
@@ -210,18 +211,21 @@ def load_case(path: str | Path) -> Case:
         If the file cannot be read, is not TOML, or a key is unknown, missing or out of range; the message names file,
         table and key.
     """
-    path = Path(path)
+    path = _found(Path(path))
     try:
         data = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise ValueError(f"{path}: cannot be read ({error.strerror}); give the path of a case file") from None
+        shipped = [case.stem for case in shipped_cases()]
+        remedy = f"give the path of a case file, or the name of one that is shipped: {', '.join(shipped)}"
+        suggestion = did_you_mean(str(path), shipped)
+        raise ValueError(f"{path}: cannot be read ({error.strerror}); {remedy}{suggestion}") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ValueError(f"{path}: not a TOML file: {error}") from None
     try:
         case = _strictly(Case, {"name": path.stem} | data)
         case.systems()
     except ValidationError as error:
-        raise ValueError(_explain(error, str(path))) from None
+        raise ValueError(_explain(error, str(path), Case)) from None
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
     return case
@@ -232,17 +236,35 @@ def _strictly(model: type[_T], data: dict[str, Any]) -> _T:
     return model.model_validate_json(json.dumps(data, default=str))
 
 
-def _explain(error: ValidationError, where: str) -> str:
-    """Return one line for each fault: file, [table], key, what is wrong and what was given."""
+def _found(path: Path) -> Path:
+    """Return the shipped case of a bare name that is no file here; all else as it is."""
+    if path.exists() or path.suffix or path.parent != Path():
+        return path
+    return next((case for case in shipped_cases() if case.stem == path.name), path)
+
+
+def _explain(error: ValidationError, where: str, model: type[BaseModel]) -> str:
+    """Return one line for each fault of a ``model``: file, [table], key, what is wrong and what was given."""
+    tables: dict[str, type[BaseModel]] = {
+        "plate": Plate,
+        "beam": Beam,
+        "load": Load,
+        "chart": Chart,
+        "variants": Variant,
+    }
     lines = []
     for fault in error.errors(include_url=False):
         place = [str(step) for step in fault["loc"]]
         table = f"[{'.'.join(place[:-1])}] " if place[:-1] else ""
         key = place[-1] if place else "file"
         if fault["type"] == "extra_forbidden":
-            what = "unknown key; remove it or mend its spelling"
+            name = next((step for step in reversed(place[:-1]) if step in tables), None)
+            known = (model if name is None else tables[name]).model_fields
+            what = f"unknown key; remove it or mend its spelling{did_you_mean(place[-1], known)}"
         elif fault["type"] == "missing":
             what = "missing; add it"
+        elif fault["type"] == "value_error":  # one of ours, which says what was given
+            what = str(fault["ctx"]["error"])
         else:
             what = f"{fault['msg']} (given: {fault['input']!r})"
         lines.append(f"{where}: {table}{key}: {what}")

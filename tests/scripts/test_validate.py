@@ -157,7 +157,7 @@ def test_a_system_that_theory_gets_wrong_is_status_one(tmp_path: Path, monkeypat
         (["--system", "bare.npz"], "bare.npz: there is no excitation"),
         (["--system", "one.npz", "--Omega", "7", "8"], "one.npz: none of the regions"),
         (["--system", "one.npz", "--Omega", "8", "7"], "is empty"),
-        (["--system", "one.npz", "--Omega", "nan", "7"], "Omega_range[0] = nan"),
+        (["--system", "one.npz", "--Omega", "nan", "7"], "--Omega[0] = nan"),
         (["--system", "one.npz", "--eps", "-1"], "--eps = -1.0"),
         (["--system", "one.npz", "--points", "1", "8"], "points = 1"),
         (["--system", "one.npz", "--points", "99999", "99999"], "points = 99999"),

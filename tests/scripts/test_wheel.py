@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from floquet_charts.__main__ import COMMANDS
 from tests.paths import ROOT
 from tests.small_case import SMALL_CASE
 
@@ -54,17 +55,22 @@ def test_the_installed_commands_run_from_an_empty_folder(bin_folder: Path, tmp_p
     assert str(ROOT) not in said
 
     (tmp_path / "quick.toml").write_text(SMALL_CASE, encoding="utf-8")
-    said = _run(bin_folder, tmp_path, "floquet-validate", "--case", "quick.toml", "--quick", "--output", "judged")
+    said = _run(
+        bin_folder, tmp_path, "floquet-charts", "validate", "--case", "quick.toml", "--quick", "--output", "judged"
+    )
     assert "yes" in said
     assert (tmp_path / "judged" / "report.html").is_file()
 
     np.savez(tmp_path / "mine.npz", M=[[1.0]], K=[[1.0]], F1c=[[1.0]])
-    said = _run(bin_folder, tmp_path, "floquet-validate", "--system", "mine.npz", "--quick", "--output", "mine")
+    said = _run(
+        bin_folder, tmp_path, "floquet-charts", "validate", "--system", "mine.npz", "--quick", "--output", "mine"
+    )
     assert "2ω₁" in said
-    said = _run(bin_folder, tmp_path, "floquet-explore", "--system", "mine.npz", "--points", "16", "8")
+    said = _run(bin_folder, tmp_path, "floquet-charts", "explore", "--system", "mine.npz", "--points", "16", "8")
     assert "2ω₁" in said
     assert (tmp_path / "output" / "mine-overlay.png").is_file()
-    said = _run(bin_folder, tmp_path, "floquet-certify", "--system", "mine.npz", "--at", "2,0.1")
+    said = _run(bin_folder, tmp_path, "floquet-charts", "certify", "--system", "mine.npz", "--at", "2,0.1")
     assert "unstable" in said
-    for command in ("floquet-validate", "floquet-explore", "floquet-certify"):
-        assert "examples:" in _run(bin_folder, tmp_path, command, "--help")
+    for command in COMMANDS:
+        said = _run(bin_folder, tmp_path, "floquet-charts", command, "--help")
+        assert f"  floquet-charts {command} --" in said
