@@ -14,6 +14,15 @@ A grid of points:
 >>> chart.kind.tolist()
 [[0, 2, 0], [2, 2, 2]]
 
+Any two parameters, here those of Mathieu's equation, y'' + (a - 2 q cos 2 z) y = 0:
+
+>>> from floquet import Point, plane_chart
+>>> def make(a, q):
+...     return Point(mathieu(delta=a), Omega=2.0, eps=2 * q)
+>>> plane = plane_chart(make, ("a", [0.0, 1.0, 4.0]), ("q", [0.0, 0.5]), n_jobs=1, progress=False)
+>>> plane.kind[1].tolist()
+[0, 2, 1]
+
 The edges of the region near a frequency, and every region of a window:
 
 >>> from floquet import trace_boundary, trace_regions
@@ -35,7 +44,7 @@ share no code and check each other; `running`; `kind`. `floquet.certified` prove
 """
 
 from floquet.boundary import BoundaryTrace, trace_boundary
-from floquet.chart import StabilityChart, stability_chart
+from floquet.chart import PlaneChart, Point, StabilityChart, plane_chart, stability_chart
 from floquet.kind import Kind
 from floquet.modes import FloquetModes, floquet_modes
 from floquet.oracle import Monodromy, monodromy
@@ -46,10 +55,13 @@ __all__ = [
     "FloquetModes",
     "Kind",
     "Monodromy",
+    "PlaneChart",
+    "Point",
     "Region",
     "StabilityChart",
     "floquet_modes",
     "monodromy",
+    "plane_chart",
     "stability_chart",
     "trace_boundary",
     "trace_regions",

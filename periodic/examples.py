@@ -1,4 +1,5 @@
-"""Small systems with known answers: Mathieu, coupled Mathieu, a gyroscopic rotor, Meissner by its Fourier series."""
+"""Small systems with known answers: Mathieu, coupled Mathieu, a gyroscopic rotor, Meissner by its Fourier series, a
+quadrupole trap, a flapping rotor blade."""
 
 from __future__ import annotations
 
@@ -9,6 +10,8 @@ from numpy.typing import ArrayLike
 
 from periodic.checks import FloatArray, one_of, real_array, real_number, whole_number
 from periodic.system import PeriodicSystem
+from periodic.terms import Term
+from periodic.waveforms import Waveform, cosine, sine
 
 # Harmonics of Meissner's square wave: the matrices of more would fill the memory of a chart.
 MAX_MEISSNER_HARMONICS = 1000
@@ -196,6 +199,77 @@ def meissner(delta: float = 1.0, damping: float = 0.0, harmonics: int = 9) -> Pe
     for j in range(1, J + 1, 2):
         cosine[j - 1] = 4.0 / (math.pi * j) * (1 if j % 4 == 1 else -1)
     return PeriodicSystem([[1.0]], [[0.0]], [[damping]], [[delta]], cosine)
+
+
+def quadrupole_trap(a: float = 0.0, waveform: Waveform | None = None) -> PeriodicSystem:
+    """An ion in a quadrupole mass filter, x'' + (a + 2 eps g(2 xi)) x = 0, y'' - (a + 2 eps g(2 xi)) y = 0; eps is q.
+
+    Parameters
+    ----------
+    a : float
+        Of the steady voltage, dimensionless.
+    waveform : Waveform, optional
+        g, of the alternating voltage; a cosine if left out, a rectangular wave for a digital trap. If its mean is not
+        zero, as with a duty other than one half, that adds 2 eps times the mean to a.
+
+    Returns
+    -------
+    PeriodicSystem
+        n = 2. Take it at Omega = 2: time xi is half the phase of the voltage.
+
+    Raises
+    ------
+    ValueError
+        If ``a`` is no finite real number.
+
+    Notes
+    -----
+    Both coordinates are Mathieu's equation for a cosine. The first region where both are stable, between a = -a_0(q)
+    and a = b_1(q), ends in the apex q = 0.705996, a = 0.236994, which a mass filter works near (R. E. March and
+    J. F. J. Todd, Quadrupole Ion Trap Mass Spectrometry, 2005, chapter 2). For a rectangular wave it follows from
+    products of two matrices; see `meissner`.
+    """
+    a = real_number("a", a)
+    push = Term("stiffness", np.diag([2.0, -2.0]), cosine(1) if waveform is None else waveform)
+    return PeriodicSystem(np.eye(2), stiffness=np.diag([a, -a]), terms=[push])
+
+
+def blade_flap(gamma: float = 12.0, p: float = 1.0) -> PeriodicSystem:
+    """Flapping of a rotor blade in forward flight, with the advance ratio as eps and the azimuth as time.
+
+    b'' + (gamma / 8) (1 + (4/3) eps sin t) b' + [p^2 + (gamma / 8) ((4/3) eps cos t + eps^2 sin 2 t)] b = 0.
+
+    Parameters
+    ----------
+    gamma : float
+        Lock number, >= 0: aerodynamic forces by inertia.
+    p : float
+        Flapping frequency without air, per revolution, positive; 1 for a hinge without spring on the axis.
+
+    Returns
+    -------
+    PeriodicSystem
+        n = 1. Take it at Omega = 1.
+
+    Raises
+    ------
+    ValueError
+        If an argument is no finite real number, or has the wrong sign.
+
+    Notes
+    -----
+    W. Johnson, Helicopter Theory, 1980, chapter 12, without reversed flow. All multipliers have the product
+    exp(-pi gamma / 4). With gamma = 12 and p = 1 the motion is stable up to eps = 1.4117415.
+    """
+    gamma = real_number("gamma", gamma, nonnegative=True)
+    p = real_number("p", p, positive=True)
+    air = gamma / 8
+    terms = [
+        Term("damping", [[4 / 3 * air]], sine(1)),
+        Term("stiffness", [[4 / 3 * air]], cosine(1)),
+        Term("stiffness", [[air]], sine(2), power=2),
+    ]
+    return PeriodicSystem([[1.0]], damping=[[air]], stiffness=[[p * p]], terms=terms)
 
 
 def _pair(name: str, value: ArrayLike) -> FloatArray:

@@ -69,9 +69,13 @@ class ChartAudit:
 
 
 def sample(error: FloatArray, size: int) -> NDArray[np.int64]:
-    """Return ``size`` random cells of a chart, the same ones at every call, and the one with the largest error."""
-    drawn = np.random.default_rng(AUDIT_SEED).choice(error.size, min(size, error.size), replace=False)
-    chosen = np.union1d(drawn, [error.argmax()])
+    """Return ``size`` random cells of a chart, the same ones at every call, and the one with the largest error.
+
+    Cells without an error are left out: there is no system.
+    """
+    present = np.flatnonzero(~np.isnan(error))
+    drawn = np.random.default_rng(AUDIT_SEED).choice(present.size, min(size, present.size), replace=False)
+    chosen = np.union1d(present[drawn], [np.nanargmax(error)])
     return np.stack(np.unravel_index(chosen, error.shape), axis=1)
 
 

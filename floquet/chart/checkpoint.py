@@ -59,20 +59,17 @@ class TileStore:
         except OSError as error:
             raise ValueError(self._refusal(error)) from None
 
-    def path(self, systems: Sequence[AnySystem], Omega: FloatArray, eps: FloatArray, steps: float) -> Path:
-        """Return where the tile with these inputs of `floquet.engine.chart_batch` is kept."""
+    def path(self, batches: Sequence[tuple[Sequence[AnySystem], FloatArray, FloatArray]], steps: float) -> Path:
+        """Return where the tile of some batches is kept: systems, Omega and eps, as `floquet.engine.chart_batch` takes
+        them."""
         digest = hashlib.sha256(code_version() + processor().encode())
-        for array in (Omega, eps, np.array(steps)):
-            _add(digest, array)
-        for system, same in groupby(systems):  # most families have one system for all columns
-            _add(digest, np.array(len(list(same))))
-            digest.update(type(system).__name__.encode())
-            for name, array in vars(system).items():
-                if name != "terms":
-                    _add(digest, array)
-            for term in system.terms:
-                digest.update(repr((term.of, term.waveform, term.power)).encode())
-                _add(digest, term.matrix)
+        _add(digest, np.array(steps))
+        for systems, Omega, eps in batches:
+            _add(digest, Omega)
+            _add(digest, eps)
+            for system, same in groupby(systems):  # most families have one system for all columns
+                _add(digest, np.array(len(list(same))))
+                add_system(digest, system)
         return self.folder / f"{digest.hexdigest()}.tile"
 
     def load(self, path: Path) -> Tile | None:
@@ -138,6 +135,17 @@ def code_version() -> bytes:
 def processor() -> str:
     """Return the kind of processor, on which the last bits of a chart depend."""
     return f"{platform.machine()} {llvmlite.binding.get_host_cpu_name()}"
+
+
+def add_system(digest: hashlib._Hash, system: AnySystem) -> None:
+    """Add everything that a system is to a hash."""
+    digest.update(type(system).__name__.encode())
+    for name, array in vars(system).items():
+        if name != "terms":
+            _add(digest, array)
+    for term in system.terms:
+        digest.update(repr((term.of, term.waveform, term.power)).encode())
+        _add(digest, term.matrix)
 
 
 def _add(digest: hashlib._Hash, array: FloatArray) -> None:

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.special import mathieu_a, mathieu_b
 
 from periodic import PeriodicSystem
-from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu, meissner
+from periodic.examples import blade_flap, coupled_mathieu, gyroscopic_rotor, mathieu, meissner, quadrupole_trap
 
 
 def multipliers(system: PeriodicSystem, Omega: float, eps: float) -> np.ndarray:
@@ -36,6 +36,9 @@ def multipliers(system: PeriodicSystem, Omega: float, eps: float) -> np.ndarray:
         (mathieu, "delta", np.nan),
         (mathieu, "delta", "1"),
         (mathieu, "damping", -0.1),
+        (quadrupole_trap, "a", "0.2"),
+        (blade_flap, "gamma", -1.0),
+        (blade_flap, "p", 0.0),
         (coupled_mathieu, "type", "product"),
         (coupled_mathieu, "frequencies", [1.0]),
         (coupled_mathieu, "frequencies", [1.0, 0.0]),

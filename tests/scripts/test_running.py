@@ -30,13 +30,13 @@ NAMES = ("growth_rate", "multiplier", "kind", "error")
 SLOWED = """
 import signal, sys, time
 signal.signal(signal.SIGINT, signal.default_int_handler)
-from floquet.chart import chart
+from floquet.chart import filling
 from floquet_scripts import explore
-whole = chart.chart_batch
+whole = filling.chart_batch
 def slow(*arguments):
     time.sleep(0.04)
     return whole(*arguments)
-chart.chart_batch = slow
+filling.chart_batch = slow
 sys.exit(explore.main(sys.argv[1:]))
 """
 
@@ -163,13 +163,13 @@ def test_a_quick_look_into_the_same_folder_leaves_the_parts_of_a_long_run(home: 
 def test_a_folder_of_ones_own_keeps_the_parts_for_two_commands(
     home: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from floquet.chart import chart
+    from floquet.chart import filling
 
     common = ["--system", str(home / "pair.npz"), "--resume", str(tmp_path / "parts"), "--no-progress", "--jobs", "1"]
     window = ["--Omega", "2.0", "3.5", "--eps", "0.5", "--points", "16", "6"]
     assert validate.main([*common, *window, "--output", str(tmp_path / "a")]) == 0
     assert len(list((tmp_path / "parts").glob("*.tile"))) == 2
-    monkeypatch.setattr(chart, "chart_batch", None)  # nothing is left to compute
+    monkeypatch.setattr(filling, "chart_batch", None)  # nothing is left to compute
     assert explore.main([*common, *window, "--output", str(tmp_path / "b"), "--no-regions"]) == 0
     assert len(list((tmp_path / "parts").glob("*.tile"))) == 2
 

@@ -11,7 +11,7 @@ import joblib
 import numpy as np
 import pytest
 
-import floquet.chart.chart
+import floquet.chart.filling
 from floquet import Kind, StabilityChart, monodromy, stability_chart
 from floquet.chart import ChartAudit
 from periodic import PeriodicSystem
@@ -168,7 +168,7 @@ def test_columns_do_not_depend_on_their_task(monkeypatch: pytest.MonkeyPatch) ->
     system = random_system(24, 3, 1)
     Omega, eps = np.linspace(0.8, 3.0, 13), np.linspace(0, 0.6, 12)
     one = chart(system, Omega, eps)
-    monkeypatch.setattr(floquet.chart.chart, "MIN_TASK_COLUMNS", 5)
+    monkeypatch.setattr(floquet.chart.filling, "MIN_TASK_COLUMNS", 5)
     assert same(one, chart(system, Omega, eps))
 
 
@@ -203,14 +203,14 @@ def test_audit_notices_faults(monkeypatch: pytest.MonkeyPatch) -> None:
     # another system in the place of the one that is integrated: the audit must say so
     right, wrong = random_system(25, 2, 1, damping=0.1), random_system(26, 2, 1, damping=0.1)
     monkeypatch.setattr(
-        floquet.chart.chart, "chart_batch", lambda systems, *rest: original([wrong] * len(systems), *rest)
+        floquet.chart.filling, "chart_batch", lambda systems, *rest: original([wrong] * len(systems), *rest)
     )
     found = chart(right, np.linspace(1, 2, 5), np.linspace(0, 1, 5), audit=16)
     assert not audited(found).ok
     assert audited(found).largest_ratio > 1e3
 
 
-original = floquet.chart.chart.chart_batch
+original = floquet.chart.filling.chart_batch
 
 
 def test_contradiction_is_not_ok() -> None:

@@ -103,7 +103,7 @@ def test_tiles_of_other_terms_are_other_tiles(tmp_path: Path) -> None:
 
     def path(term: Term) -> Path:
         system = PeriodicSystem(np.eye(2), stiffness=np.eye(2), terms=[term])
-        return store.path([system], np.array([1.0]), eps, 16.0)
+        return store.path([([system], np.array([1.0]), eps)], 16.0)
 
     terms = [
         Term("damping", X),
@@ -118,7 +118,7 @@ def test_tiles_of_other_terms_are_other_tiles(tmp_path: Path) -> None:
     assert path(terms[3]) == path(Term("damping", X, waveforms.rectangular()))
     first = FirstOrderSystem(np.eye(2), terms=[Term("state", X, power=2)])
     second = FirstOrderSystem(np.eye(2), terms=[Term("state", X, power=3)])
-    assert store.path([first], np.array([1.0]), eps, 16.0) != store.path([second], np.array([1.0]), eps, 16.0)
+    assert store.path([([first], np.array([1.0]), eps)], 16.0) != store.path([([second], np.array([1.0]), eps)], 16.0)
 
 
 def test_a_chart_goes_on_from_its_cache(tmp_path: Path) -> None:

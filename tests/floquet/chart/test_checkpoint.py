@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from floquet import StabilityChart, stability_chart
-from floquet.chart import chart as chart_module
+from floquet.chart import filling as chart_module
 from periodic.examples import coupled_mathieu, mathieu
 
 OMEGA, EPS = np.linspace(0.7, 5.0, 40), np.linspace(0.0, 1.0, 12)
@@ -25,13 +25,13 @@ CHILD = """
 import sys, time
 import numpy as np
 from floquet import stability_chart
-from floquet.chart import chart
+from floquet.chart import filling
 from periodic.examples import coupled_mathieu
-whole = chart.chart_batch
+whole = filling.chart_batch
 def slow(*arguments):
     time.sleep(0.05)
     return whole(*arguments)
-chart.chart_batch = slow
+filling.chart_batch = slow
 stability_chart(coupled_mathieu(), np.linspace(0.7, 5.0, 40), np.linspace(0.0, 1.0, 12), n_jobs=1, progress=False,
                 audit=0, cache=sys.argv[1])
 """

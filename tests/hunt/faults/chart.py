@@ -187,9 +187,9 @@ FAULTS = (
     ),
     Fault(
         "audit disabled",
-        "floquet/chart/chart.py",
-        "return chart if audit == 0 else",
-        "return chart if audit >= 0 else",
+        "floquet/chart/filling.py",
+        "if options.audit == 0:",
+        "if options.audit >= 0:",
         "floquet/chart/test_chart.py::test_audit",
     ),
     Fault(
