@@ -48,7 +48,7 @@ from floquet.chart import PlaneChart, Point, StabilityChart, plane_chart, stabil
 from floquet.kind import Kind
 from floquet.modes import FloquetModes, floquet_modes
 from floquet.oracle import Monodromy, monodromy
-from floquet.regions import Region, trace_regions
+from floquet.regions import Region, Regions, trace_regions
 
 __all__ = [
     "BoundaryTrace",
@@ -58,6 +58,7 @@ __all__ = [
     "PlaneChart",
     "Point",
     "Region",
+    "Regions",
     "StabilityChart",
     "floquet_modes",
     "monodromy",

@@ -17,6 +17,6 @@ wide regions start from, and `regions` puts all together.
 """
 
 from floquet.regions.outlines import Loop, largest_width
-from floquet.regions.regions import Region, trace_regions
+from floquet.regions.regions import Region, Regions, trace_regions
 
-__all__ = ["Loop", "Region", "largest_width", "trace_regions"]
+__all__ = ["Loop", "Region", "Regions", "largest_width", "trace_regions"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -29,6 +30,32 @@ MAX_CLEAR_TIP = 0.05
 SAME_CENTRE = 1e-7
 # So do those whose centres are in the region this far above its tip, as parts of its height.
 COMPANION_HEIGHTS = np.array([1 / 64, 1 / 32, 1 / 16])
+
+# A name of a resonance once it is spelled with w for omega, digits and - alone: 2w1, w1+w3, (w3-w1)/2, w2/3.
+RESONANCE_NAME = re.compile(r"\(?(\d*)w(\d+)(?:([+-])w(\d+))?\)?(?:/(\d+))?")
+SPELLINGS = str.maketrans("₀₁₂₃₄₅₆₇₈₉ω−–", "0123456789w--", " _*{}$\\")
+
+
+def resonance_named(name: str) -> tuple[int, int, int, str]:
+    """Return p >= q, j and type of the resonance that a name means, in any spelling.
+
+    ω₁+ω₃, w1+w3, omega_3 + omega_1 and \\omega_1+\\omega_3 are one; ω₁ is 2ω₁/2.
+
+    Raises
+    ------
+    ValueError
+        If it is the name of no resonance.
+    """
+    found = RESONANCE_NAME.fullmatch(name.translate(SPELLINGS).casefold().replace("omega", "w"))
+    if found is not None:
+        factor, one, sign, other, divisor = found.groups()
+        p, j = int(one), int(divisor or 1)
+        if sign is None and int(factor or 1) > 0 and 2 * j % int(factor or 1) == 0:
+            return p, p, 2 * j // int(factor or 1), "sum"
+        if sign is not None and factor in ("", "1") and (sign, p) != ("-", int(other)):
+            q, p = sorted((p, int(other)))
+            return p, q, j, "sum" if sign == "+" else "difference"
+    raise ValueError(f"{name!r} is the name of no resonance; write it as 2ω₁, ω₁+ω₃ or (ω₃-ω₁)/2, or with w for ω")
 
 
 class Naming:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,10 +12,10 @@ from tqdm import tqdm
 
 from floquet.boundary import Resonance
 from floquet.oracle import is_unstable
-from floquet.regions.naming import Naming
+from floquet.regions.naming import Naming, resonance_named
 from floquet.regions.outlines import Column, IntervalId, Loop, components, contained, largest_width, loops
 from floquet.regions.scan import Scan
-from floquet.regions.segments import segments
+from floquet.regions.segments import intervals, segments
 from floquet.regions.tongues import Tongue, max_width, trace_tongues
 from floquet.regions.widths import ExpectedTongue, expected_tongues
 from floquet.regions.window import Window
@@ -37,9 +38,13 @@ PROBED_HEIGHTS = np.array([1 / 64, 1 / 32, 1 / 16, *(np.arange(1, 9) / 8)])
 MAX_TONGUES = 400
 # Levels at which the width of a region is measured.
 WIDTH_AMPLITUDES = 64
+# Regions that get a line where all are shown.
+MAX_REGIONS_SHOWN = 20
+
+Ranges = tuple[tuple[float, float], tuple[float, float]]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Region:
     """One connected region of instability in a window of the (Omega, eps) plane.
 
@@ -60,12 +65,15 @@ class Region:
     witness : (float, float)
         Omega and eps of a point inside that is unstable by the method of `monodromy`; in a narrow region it may be one
         where the multipliers of a column are off the unit circle by far more than their error.
+    window : ((float, float), (float, float)) or None
+        The ranges of Omega and of eps that were traced; None if not known.
     """
 
     outlines: tuple[Loop, ...]
     resonances: tuple[Resonance, ...]
     tip: tuple[float, float]
     witness: tuple[float, float]
+    window: Ranges | None = None
 
     @property
     def label(self) -> str:
@@ -97,6 +105,104 @@ class Region:
         x, y = points(Omega, eps)
         return contained(self.outlines, x, y)
 
+    def intervals(self, eps: float) -> FloatArray:
+        """Return the intervals of Omega that the region has at one amplitude, shape (m, 2), from the left.
+
+        Parameters
+        ----------
+        eps : float
+            Within the amplitudes that were traced.
+
+        Returns
+        -------
+        ndarray
+            Of what lies in the window, to the tolerance of the outlines; m = 0 where the region is closed.
+            `trace_boundary` finds edges to nine digits.
+
+        Raises
+        ------
+        ValueError
+            If ``eps`` is no number, or was not traced.
+        """
+        eps = real_number("eps", eps)
+        if self.window is not None:
+            bottom, top = self.window[1]
+            if not bottom <= eps <= top:
+                raise ValueError(f"eps = {eps:.6g} was not traced; give {bottom:.6g} to {top:.6g}, or trace more")
+            eps = min(max(eps, np.nextafter(bottom, top)), np.nextafter(top, bottom))  # an outline ends at its window
+        return intervals(self.outlines, eps)
+
+    def width(self, eps: float) -> float:
+        """Return the width in Omega at one amplitude: of all its intervals together; 0 where the region is closed.
+
+        Raises
+        ------
+        ValueError
+            As `intervals`, and if the region goes on beyond the window at this amplitude, so that its width is unknown.
+        """
+        found = self.intervals(eps)
+        if self.window is not None and found.size:
+            low, high = self.window[0]
+            if found[0, 0] <= low or found[-1, 1] >= high:
+                raise ValueError(
+                    f"at eps = {eps:.6g} the region goes on beyond the window, Omega = {low:.6g} to {high:.6g}; trace "
+                    "a wider one, or ask for its intervals"
+                )
+        return float(np.diff(found).sum())
+
+    def __repr__(self) -> str:
+        (Omega, eps), width = self.tip, largest_width(self.outlines, WIDTH_AMPLITUDES)
+        name = self.label or "unexplained"
+        return f"Region({name}: tip at Omega = {Omega:.6g}, eps = {eps:.4g}, up to {width:.4g} wide)"
+
+
+class Regions(list[Region]):
+    """The regions of a window, a list that also knows them by name: ``regions["2ω₁"]``.
+
+    A name is that of a resonance which the region starts from, in any spelling: ``regions["w1+w3"]``.
+
+    Attributes
+    ----------
+    Omega_range, eps_range : (float, float)
+        The window.
+    """
+
+    def __init__(
+        self, found: Iterable[Region], Omega_range: tuple[float, float], eps_range: tuple[float, float]
+    ) -> None:
+        super().__init__(replace(region, window=(Omega_range, eps_range)) for region in found)
+        self.Omega_range, self.eps_range = Omega_range, eps_range
+
+    @overload  # type: ignore[override]
+    def __getitem__(self, key: int | str) -> Region: ...
+    @overload
+    def __getitem__(self, key: slice) -> list[Region]: ...
+    def __getitem__(self, key: Any) -> Any:
+        if not isinstance(key, str):
+            return super().__getitem__(key)
+        try:
+            meant = resonance_named(key)
+        except ValueError as error:
+            raise KeyError(f"{error}; there are {self._names()}") from None
+        found = [i for i, region in enumerate(self) if any(one[:4] == meant for one in region.resonances)]
+        if not found:
+            raise KeyError(f"no region in the window starts from {key}; there are {self._names()}")
+        if len(found) > 1:
+            raise KeyError(
+                f"{len(found)} regions start from {key}; take one by its number: {', '.join(map(str, found))}"
+            )
+        return super().__getitem__(found[0])
+
+    def _names(self) -> str:
+        return ", ".join(region.label or "unexplained" for region in self) or "no regions"
+
+    def __repr__(self) -> str:
+        low, high, bottom, top = *self.Omega_range, *self.eps_range
+        lines = [f"{len(self)} regions, Omega = {low:.6g} to {high:.6g}, eps = {bottom:.6g} to {top:.6g}"]
+        lines += [f"  {i}  {region!r}" for i, region in enumerate(self[:MAX_REGIONS_SHOWN])]
+        more = len(self) - MAX_REGIONS_SHOWN
+        return "\n".join([*lines, *([f"  and {more} more"] if more > 0 else [])])
+
 
 def trace_regions(
     family: SystemFamily,
@@ -106,7 +212,7 @@ def trace_regions(
     tolerance: float = 1e-3,
     n_jobs: int | None = -1,
     progress: bool | None = None,
-) -> list[Region]:
+) -> Regions:
     """Follow every region of instability of a window and name it by the resonances that it starts from.
 
     Parameters
@@ -125,8 +231,9 @@ def trace_regions(
 
     Returns
     -------
-    list of Region
-        From the left. Regions that no resonance explains have an empty label.
+    Regions
+        A list of `Region`, from the left, that takes names, too: ``regions["2ω₁"]``. Regions that no resonance explains
+        have an empty label.
 
     Raises
     ------
@@ -163,7 +270,7 @@ def trace_regions(
         bar.update()
         regions = _joined(window, wide, trace_tongues(_narrow(window, expected, wide), scan))
         bar.update()
-    return sorted(regions, key=lambda region: region.tip[0])
+    return Regions(sorted(regions, key=lambda region: region.tip[0]), (low, high), (bottom, top))
 
 
 def _expected(window: Window) -> list[ExpectedTongue]:

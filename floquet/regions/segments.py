@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquet.regions.outlines import Loop, closed
+from floquet.regions.outlines import Loop, area, closed, crossings
 from floquet.regions.tongues import Tongue
 from floquet.regions.window import Window
 from periodic.checks import FloatArray
@@ -92,3 +92,18 @@ def _loop(tongue: Tongue, sides: FloatArray, window: Window) -> Loop:
     eps, lower, upper = sides
     Omega = np.clip(np.concatenate([upper, lower[::-1]]), *window.Omega_range)
     return closed(Omega, np.concatenate([eps, eps[::-1]]), np.full(len(Omega), tongue.resonance.kind))
+
+
+def intervals(outlines: Sequence[Loop], amplitude: float) -> FloatArray:
+    """Return the intervals of Omega, shape (m, 2), in which the row ``amplitude`` lies inside the outlines of a region.
+
+    Islands run clockwise; outlines that run counterclockwise may overlap.
+    """
+    ends: list[tuple[float, int]] = []
+    for loop in outlines:
+        turn = -1 if area(loop.Omega, loop.eps) < 0 else 1
+        ends += [(x, turn * (-1) ** number) for number, x in enumerate(crossings([loop], amplitude))]
+    ends.sort()
+    inside = np.cumsum([step for _, step in ends]) > 0  # to the right of each end
+    changes = np.flatnonzero(np.diff(inside, prepend=False))
+    return np.array([ends[i][0] for i in changes]).reshape(-1, 2)
