@@ -2,7 +2,7 @@
 
 `agreement` traces the two edges of every region by integration and compares them with the analytic curves, on a ladder
 of amplitudes. `overlay` draws both; `plot` draws one thing, whatever it
-is.
+is. `difference` is what changes from one chart to another. `save` writes any result to a file, `load` reads it.
 
 >>> from compare import agreement
 >>> from periodic.examples import mathieu
@@ -17,10 +17,26 @@ The rooms: `compare.study` (cases and users' systems, with a report), `compare.c
 suggests where to look.
 """
 
+from compare.change import ChartDifference, difference
+from compare.files import load, save
 from compare.outcome import Basis, Outcome, RegionAgreement
 from compare.pictures import animate, overlay, plot
 from compare.tally import Tally
 from compare.verdicts import agreement
 from compare.window import default_window
 
-__all__ = ["Basis", "Outcome", "RegionAgreement", "Tally", "agreement", "animate", "default_window", "overlay", "plot"]
+__all__ = [
+    "Basis",
+    "ChartDifference",
+    "Outcome",
+    "RegionAgreement",
+    "Tally",
+    "agreement",
+    "animate",
+    "default_window",
+    "difference",
+    "load",
+    "overlay",
+    "plot",
+    "save",
+]

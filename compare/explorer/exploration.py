@@ -12,7 +12,7 @@ import numpy as np
 
 from compare.audit import audit_sentence
 from compare.explorer.outlines import WIDTH_LEVELS, draw_outlines
-from compare.files import MAX_CHART_POINTS
+from compare.files import MAX_CHART_POINTS, save
 from compare.pictures import overlay
 from compare.window import RIGID_FREQUENCY
 from floquet import Region, StabilityChart, stability_chart, trace_regions
@@ -88,13 +88,7 @@ class Exploration:
         (folder / f"{name}-regions.json").write_text(regions, encoding="utf-8")
         self.chart.save(folder / f"{name}.npz")
         if netcdf:
-            try:
-                data = self.chart.to_xarray()
-            except ImportError:
-                raise ValueError("NetCDF needs xarray; install it with: pip install 'floquet-charts[xarray]'") from None
-            # NetCDF has no complex numbers.
-            data = data.assign(multiplier_real=data.multiplier.real, multiplier_imag=data.multiplier.imag)
-            data.drop_vars("multiplier").to_netcdf(folder / f"{name}.nc", engine="scipy")
+            save(folder / f"{name}.nc", self.chart)
 
 
 def _plain(region: Region) -> dict[str, Any]:

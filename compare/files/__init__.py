@@ -19,7 +19,9 @@ bit; a Python file may define what they cannot hold:
 ...     print(load_system(Path(folder) / "mine.npz").stiffness)
 [[2.5]]
 
-Results are written into `staged` folders, which replace an old result only by a complete new one. Every fault of a file
+A result of any sort goes into a file of one format and comes back; `save` and `load` are handed on by `compare`.
+
+Studies are written into `staged` folders, which replace an old result only by a complete new one. Every fault of a file
 is a ValueError that names the file and what is wrong in it. Only Python files are executed.
 """
 
@@ -35,6 +37,7 @@ from compare.files.cases import (
 from compare.files.matrices import load_system, save_system
 from compare.files.names import MATRIX_NAMES
 from compare.files.publish import staged
+from compare.files.results import load, save
 from compare.files.spelling import did_you_mean
 
 __all__ = [
@@ -45,8 +48,10 @@ __all__ = [
     "Load",
     "Plate",
     "did_you_mean",
+    "load",
     "load_case",
     "load_system",
+    "save",
     "save_system",
     "shipped_cases",
     "staged",
