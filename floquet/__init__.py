@@ -22,6 +22,9 @@ Any two parameters, here those of Mathieu's equation, y'' + (a - 2 q cos 2 z) y 
 >>> plane = plane_chart(make, ("a", [0.0, 1.0, 4.0]), ("q", [0.0, 0.5]), n_jobs=1, progress=False)
 >>> plane.kind[1].tolist()
 [0, 2, 1]
+>>> from floquet import trace_plane
+>>> [boundary.label for boundary in trace_plane(make, plane, orders=0, progress=False)]
+['2ω₁', '2ω₁/2']
 
 The edges of the region near a frequency, and every region of a window:
 
@@ -39,8 +42,9 @@ How the system moves at a point:
 >>> print(f"at frequency {growing.frequency:.3f}, damping ratio {growing.damping_ratio:.4f}")
 at frequency 1.000, damping ratio -0.0250
 
-Rooms, each using those below it: `regions`; `chart` and `boundary`; `modes`; `engine`, `oracle` and `certified`, which
-share no code and check each other; `running`; `kind`. `floquet.certified` proves verdicts and needs python-flint.
+Rooms, each using those below it: `regions` and `plane`; `chart` and `boundary`; `modes`; `engine`, `oracle` and
+`certified`, which share no code and check each other; `running`; `kind`. `floquet.certified` proves verdicts and needs
+python-flint.
 """
 
 from floquet.boundary import BoundaryTrace, trace_boundary
@@ -48,6 +52,7 @@ from floquet.chart import PlaneChart, Point, StabilityChart, plane_chart, stabil
 from floquet.kind import Kind
 from floquet.modes import FloquetModes, floquet_modes
 from floquet.oracle import Monodromy, monodromy
+from floquet.plane import PlaneBoundary, trace_plane
 from floquet.regions import Region, Regions, trace_regions
 
 __all__ = [
@@ -55,6 +60,7 @@ __all__ = [
     "FloquetModes",
     "Kind",
     "Monodromy",
+    "PlaneBoundary",
     "PlaneChart",
     "Point",
     "Region",
@@ -65,5 +71,6 @@ __all__ = [
     "plane_chart",
     "stability_chart",
     "trace_boundary",
+    "trace_plane",
     "trace_regions",
 ]

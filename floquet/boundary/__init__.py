@@ -33,6 +33,7 @@ from floquet.boundary.resonance import (
     open_types,
     resonances,
 )
+from floquet.boundary.subsystems import monodromy_matrix, subsystems_at
 from floquet.boundary.trace import BoundaryTrace, trace_boundary
 
 __all__ = [
@@ -41,9 +42,11 @@ __all__ = [
     "Modes",
     "NoResonanceError",
     "Resonance",
+    "monodromy_matrix",
     "natural_modes",
     "nearest_resonance",
     "open_types",
     "resonances",
+    "subsystems_at",
     "trace_boundary",
 ]
