@@ -28,6 +28,7 @@ from floquet.chart.audit import ChartAudit
 from floquet.chart.chart import StabilityChart, stability_chart
 from floquet.chart.checkpoint import TileStore, code_version, processor
 from floquet.chart.filling import task_columns
+from floquet.chart.grouping import key_of
 from floquet.chart.plane import PlaneChart, plane_chart
 from floquet.chart.point import Point
 
@@ -38,6 +39,7 @@ __all__ = [
     "StabilityChart",
     "TileStore",
     "code_version",
+    "key_of",
     "plane_chart",
     "processor",
     "stability_chart",

@@ -9,8 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from floquet.boundary import natural_modes
-from floquet.chart import PlaneChart, Point
-from floquet.chart.grouping import key_of
+from floquet.chart import PlaneChart, Point, key_of
 from floquet.kind import Kind
 from periodic.checks import FloatArray
 
