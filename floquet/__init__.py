@@ -44,8 +44,10 @@ at frequency 1.000, damping ratio -0.0250
 
 Rooms, each using those below it: `regions` and `plane`; `chart` and `boundary`; `modes`; `engine`, `oracle` and
 `certified`, which share no code and check each other; `running`; `kind`. `floquet.certified` proves verdicts and needs
-python-flint.
+python-flint; its `prove_chart` proves whole charts.
 """
+
+from typing import Any
 
 from floquet.boundary import BoundaryTrace, trace_boundary
 from floquet.chart import PlaneChart, Point, StabilityChart, plane_chart, stability_chart
@@ -63,14 +65,24 @@ __all__ = [
     "PlaneBoundary",
     "PlaneChart",
     "Point",
+    "ProvedChart",
     "Region",
     "Regions",
     "StabilityChart",
     "floquet_modes",
     "monodromy",
     "plane_chart",
+    "prove_chart",
     "stability_chart",
     "trace_boundary",
     "trace_plane",
     "trace_regions",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name in ("ProvedChart", "prove_chart"):  # they need python-flint, an extra
+        from floquet import certified
+
+        return getattr(certified, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
