@@ -15,8 +15,8 @@ True
 unstable stable
 >>> for strip in chart.edges(0.1):
 ...     print(f"{strip.below} {strip.lower:.6f} {strip.above}, thinner than 1e-8: {strip.thickness < 1e-8}")
-stable 1.949732 unstable, thinner than 1e-8: True
-unstable 2.049734 stable, thinner than 1e-8: True
+stable 1.949698 unstable, thinner than 1e-8: True
+unstable 2.049679 stable, thinner than 1e-8: True
 """
 
 from floquet.certified.areas.chart import AreaVerdict, ProvedChart, Strip

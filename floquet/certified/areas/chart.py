@@ -22,7 +22,7 @@ from periodic import PeriodicSystem
 from periodic.checks import FloatArray, real_array
 
 # What a file says it is, and its version.
-FORMAT = "floquet proved chart 1"
+CERTIFICATE_FORMAT = "floquet proved chart 1"
 # Strips of one line that are nearer to each other than this, as a part of Omega, are one strip.
 STRIP_GAP = 1e-12
 # What float64 may hide of a sum of areas, as a part of the window.
@@ -276,7 +276,7 @@ class ProvedChart:
         arrays: dict[str, Any] = {name: getattr(self.system, name) for name in MATRICES}
         arrays["window"] = np.array([*self.Omega_range, *self.eps_range])
         arrays["about"] = np.array(
-            json.dumps({"format": FORMAT, "parts": len(self.parts), "constant": self.constant_verdict})
+            json.dumps({"format": CERTIFICATE_FORMAT, "parts": len(self.parts), "constant": self.constant_verdict})
         )
         for i, part in enumerate(self.parts):
             arrays |= {f"{name}_{i}": value for name, value in part._asdict().items()}
@@ -296,7 +296,7 @@ class ProvedChart:
         try:
             with np.load(path, allow_pickle=False) as file:
                 about = json.loads(str(file["about"]))
-                if about["format"] != FORMAT:
+                if about["format"] != CERTIFICATE_FORMAT:
                     raise KeyError(about["format"])
                 system = PeriodicSystem(*(file[name] for name in MATRICES))
                 window = file["window"].tolist()

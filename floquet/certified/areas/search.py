@@ -20,7 +20,7 @@ PATCH_RADIUS, PATCH_RADIUS_OF_MANY = 1e-10, 1e-9
 # Part of a patch that the polynomials of a cell may leave open; a hundredth of it with a radius above `SIGN_RADIUS`.
 OPEN_PART = 3e-6
 # At most so many times a rectangle is halved at once whose model has far too large a radius.
-MAX_HALVINGS = 5
+MAX_HALVINGS_AT_ONCE = 5
 
 
 class Rectangle(NamedTuple):
@@ -100,7 +100,9 @@ def search(equation: Coefficients, rectangle: Rectangle, least: tuple[float, flo
             found.left.append(here)
             continue
         excess = radius / tolerance if math.isfinite(radius) else math.inf
-        halvings = min(max(1, round(math.log2(excess) / (degree + 1))), MAX_HALVINGS) if excess < math.inf else 2
+        halvings = (
+            min(max(1, round(math.log2(excess) / (degree + 1))), MAX_HALVINGS_AT_ONCE) if excess < math.inf else 2
+        )
         pieces = [here]
         # what each variable contributes to the change of the equation
         f = equation.norms.sum()

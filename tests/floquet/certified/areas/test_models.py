@@ -163,7 +163,8 @@ def test_elementary_functions_are_those_of_the_multipliers() -> None:
 def test_damped_signs_tell_inside_from_outside(count: int) -> None:
     seen = set()
     for _ in range(150):
-        moduli, mu = RNG.uniform(0.5, 1.2, 4), []
+        moduli = RNG.uniform(0.5, 1.2, 4)
+        mu: list[complex] = []
         while len(mu) < count:
             r = moduli[len(mu)]
             mu += (
