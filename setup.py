@@ -2,7 +2,7 @@
 
 from setuptools import find_packages, setup
 
-ROOMS = ["periodic", "plate", "beam", "perturb", "floquet", "compare", "floquet_charts"]
+ROOMS = ["periodic", "plate", "beam", "reduction", "perturb", "floquet", "compare", "floquet_charts"]
 
 setup(
     # The folders scripts/ and cases/ would be too general as names of installed packages.

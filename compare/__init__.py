@@ -10,6 +10,8 @@ is. `difference` is what changes from one chart to another. `save` writes any re
 >>> region.label, region.outcome.value, region.order.round(1).tolist()
 ('2ω₁', 'agrees', [2.0, 2.0])
 
+`check_whole_model` follows a motion of a reduced model into the whole one.
+
 An outcome is "agrees", "disagrees" or "not compared"; `Tally` counts each region once.
 
 The rooms: `compare.study` (cases and users' systems, with a report), `compare.claims` (the paper's claims),
@@ -23,6 +25,7 @@ from compare.outcome import Basis, Outcome, RegionAgreement
 from compare.pictures import animate, overlay, plot
 from compare.tally import Tally
 from compare.verdicts import agreement
+from compare.whole_model import WholeModelCheck, check_whole_model
 from compare.window import default_window
 
 __all__ = [
@@ -31,8 +34,10 @@ __all__ = [
     "Outcome",
     "RegionAgreement",
     "Tally",
+    "WholeModelCheck",
     "agreement",
     "animate",
+    "check_whole_model",
     "default_window",
     "difference",
     "load",

@@ -36,6 +36,7 @@ if TYPE_CHECKING:  # for editors and type checkers; at run time `__getattr__` fi
     from perturb import *
     from perturb.general import *
     from plate import *
+    from reduction import *
 
 __version__ = "0.1.0"
 
@@ -44,6 +45,7 @@ _ROOMS: dict[str, tuple[str, ...]] = {
     "periodic": (),
     "plate": (),
     "beam": (),
+    "reduction": (),
     "perturb": (),
     "perturb.general": (),
     "floquet": (),

@@ -28,6 +28,9 @@ x' = A(t) x are `FirstOrderSystem`.
 >>> FirstOrderSystem([[-1.0]], cosine=[[0.5]]).size
 1
 
+A finite-element model of many coordinates stays sparse, as a `SparseSystem`, until `reduction` has made a small system
+of its lowest modes.
+
 `periodic.examples` has small systems with known answers, `periodic.checks` the checks of arguments for all rooms.
 
 >>> from periodic.examples import mathieu
@@ -50,6 +53,7 @@ from periodic.family import (
 from periodic.first_order import FirstOrderSystem
 from periodic.massless import Condensed, without_massless
 from periodic.solid import StandardLinearSolid
+from periodic.sparse import SparseSystem
 from periodic.system import PeriodicSystem, check_mass
 from periodic.terms import SYMMETRY_TOLERANCE, Term
 
@@ -60,6 +64,7 @@ __all__ = [
     "Condensed",
     "FirstOrderSystem",
     "PeriodicSystem",
+    "SparseSystem",
     "StandardLinearSolid",
     "SystemFamily",
     "Term",

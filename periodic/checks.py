@@ -8,6 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+# Coordinates up to which a sparse matrix may stand for a dense one.
+MAX_DENSE_COORDINATES = 2000
+
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
@@ -162,8 +165,20 @@ def is_positive_definite(matrix: FloatArray) -> bool:
     return bool(lowest > len(matrix) * np.finfo(float).eps)
 
 
-def _numeric(name: str, value: ArrayLike) -> NDArray[Any]:
-    """Return ``value`` as an array of real numbers, its own memory where it is one already."""
+def is_sparse(value: Any) -> bool:
+    """Whether ``value`` is a sparse matrix of SciPy, known by its methods: this room needs NumPy alone."""
+    return hasattr(value, "tocsr") and hasattr(value, "toarray")
+
+
+def _numeric(name: str, value: Any) -> NDArray[Any]:
+    """Return ``value``, sparse or not, as an array of real numbers; its own memory where it is one already."""
+    if is_sparse(value):
+        if max(value.shape) > MAX_DENSE_COORDINATES:
+            raise ValueError(
+                f"{name} is sparse with shape {tuple(value.shape)}; give a model of so many coordinates as a "
+                "periodic.SparseSystem, and reduce it with reduction.reduce_model"
+            )
+        value = value.toarray()
     try:
         raw = np.asarray(value)
     except ValueError:

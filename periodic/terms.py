@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from periodic.checks import FloatArray, one_of, real_array, whole_number
+from periodic.checks import FloatArray, is_sparse, one_of, real_array, whole_number
 from periodic.waveforms import Impulses, Piecewise, Trigonometric, Waveform, cosine
 
 # By how much two entries that should agree by symmetry may differ, in parts of the largest entry. Assembling and
@@ -30,9 +30,9 @@ class Term:
     of : str
         The matrix that it is added to: "mass", "gyroscopic", "damping" or "stiffness" of a `PeriodicSystem`, "state" of
         a `FirstOrderSystem`.
-    matrix : array_like, shape (n, n)
-        X; symmetric for mass and damping, skew-symmetric for gyroscopic, any real matrix for stiffness and state. What
-        multiplies W' without symmetry is the sum of a damping and a gyroscopic term.
+    matrix : array_like or sparse matrix, shape (n, n)
+        X, kept sparse if it is; symmetric for mass and damping, skew-symmetric for gyroscopic, any real matrix for
+        stiffness and state. What multiplies W' without symmetry is the sum of a damping and a gyroscopic term.
     waveform : Trigonometric, Piecewise or Impulses
         g, made by a function of `periodic.waveforms`. Pulses are not allowed in the mass.
     power : int
@@ -51,16 +51,18 @@ class Term:
 
     def __init__(self, of: str, matrix: ArrayLike, waveform: Waveform | None = None, power: int = 1) -> None:
         one_of("of", of, tuple(SYMMETRY))
-        X = real_array("matrix", matrix, 2)
-        square("matrix", X, len(X))
-        if SYMMETRY[of]:
-            X = symmetric(f"the {of} term's matrix", X, SYMMETRY[of])
+        if is_sparse(matrix):
+            X = sparse_matrix(f"the {of} term's matrix", matrix, None, SYMMETRY[of])
+        else:
+            X = square("matrix", real_array("matrix", matrix, 2), None)
+            if SYMMETRY[of]:
+                X = symmetric(f"the {of} term's matrix", X, SYMMETRY[of])
+            X.setflags(write=False)
         g = cosine() if waveform is None else waveform
         if not isinstance(g, Trigonometric | Piecewise | Impulses):
             raise ValueError(f"waveform = {g!r} is no waveform; make one with a function of periodic.waveforms")
         if of == "mass" and isinstance(g, Impulses):
             raise ValueError("waveform of a mass term consists of impulses; a mass is finite, give another waveform")
-        X.setflags(write=False)
         object.__setattr__(self, "of", of)
         object.__setattr__(self, "matrix", X)
         object.__setattr__(self, "waveform", g)
@@ -68,7 +70,7 @@ class Term:
 
 
 def checked_terms(terms: Iterable[Any], size: int, allowed: tuple[str, ...]) -> tuple[Term, ...]:
-    """Return ``terms`` as a tuple, each of them a `Term` of one of the ``allowed`` matrices with ``size`` rows.
+    """Return ``terms`` as a tuple, each of them a dense `Term` of one of the ``allowed`` matrices with ``size`` rows.
 
     Raises
     ------
@@ -84,9 +86,11 @@ def checked_terms(terms: Iterable[Any], size: int, allowed: tuple[str, ...]) -> 
             raise ValueError(f"terms[{i}] = {term!r} is no Term; make one with periodic.Term")
         if term.of not in allowed:
             raise ValueError(f"terms[{i}] is of {term.of!r}; here it can be of {', '.join(map(repr, allowed))}")
-        if len(term.matrix) != size:
+        if term.matrix.shape != (size, size):
             raise ValueError(f"terms[{i}] has a matrix of shape {term.matrix.shape}; give ({size}, {size})")
-    return found
+    return tuple(
+        Term(t.of, real_array("matrix", t.matrix, 2), t.waveform, t.power) if is_sparse(t.matrix) else t for t in found
+    )
 
 
 def absorb(
@@ -122,17 +126,43 @@ def sum_of(terms: Iterable[Term], of: str, theta: FloatArray, eps: float, size: 
     return total
 
 
-def square(name: str, array: FloatArray, n: int) -> FloatArray:
-    """Return ``array`` if its shape is (n, n).
+def square(name: str, array: FloatArray, n: int | None) -> FloatArray:
+    """Return ``array`` if its shape is (n, n); of any n if None.
 
     Raises
     ------
     ValueError
         If it is not.
     """
-    if n == 0 or array.shape != (n, n):
+    rows = len(array) if n is None else n
+    if rows == 0 or array.shape != (rows, rows):
         raise ValueError(f"{name} has shape {array.shape}; give a square matrix")
     return array
+
+
+def sparse_matrix(name: str, value: Any, n: int | None, sign: int) -> Any:
+    """Return a sparse matrix in compressed rows, exactly (skew-)symmetric for ``sign`` 1 and -1.
+
+    Raises
+    ------
+    ValueError
+        If it is not square with ``n`` rows, not real and finite, or its symmetry fails by more than rounding.
+    """
+    X = value.tocsr()
+    rows = X.shape[0] if n is None else n
+    if rows == 0 or X.shape != (rows, rows):
+        raise ValueError(f"{name} has shape {tuple(X.shape)}; give a square matrix of {rows} rows")
+    if X.dtype.kind not in "fiu":
+        raise ValueError(f"{name} has entries of type {X.dtype}; give real numbers")
+    X = X.astype(float)
+    X.eliminate_zeros()
+    if not np.isfinite(X.data).all():
+        raise ValueError(f"{name} has an entry that is not finite; every entry must be finite")
+    if sign and X.nnz:
+        if abs(X - sign * X.T).max() > SYMMETRY_TOLERANCE * abs(X).max():
+            raise ValueError(f"{name} is not {'symmetric' if sign > 0 else 'skew-symmetric'}")
+        X = 0.5 * (X + sign * X.T)
+    return X
 
 
 def symmetric(name: str, array: FloatArray, sign: int) -> FloatArray:
@@ -159,6 +189,8 @@ def harmonics(name: str, value: ArrayLike, n: int) -> FloatArray:
     ValueError
         If the shape is neither.
     """
+    if isinstance(value, list | tuple) and any(map(is_sparse, value)):
+        value = [real_array(f"{name}[{j}]", matrix, 2) for j, matrix in enumerate(value)]
     array = real_array(name, value, None)
     if array.ndim == 2:
         array = array[None]

@@ -20,7 +20,7 @@ MAX_LINES_IN_A_FILE = 400
 # Top-level packages. The first are installed as they are, the second under the names that setup.py gives them; the
 # third are not in the wheel.
 INSTALLED, RENAMED, LEFT_OUT = (
-    ("periodic", "plate", "beam", "perturb", "floquet", "compare", "floquet_charts"),
+    ("periodic", "plate", "beam", "reduction", "perturb", "floquet", "compare", "floquet_charts"),
     ("scripts", "cases"),
     ("benchmarks", "tests"),
 )

@@ -1,4 +1,4 @@
-"""MATLAB files of version 5 to 7: every real matrix in them, dense or sparse.
+"""MATLAB files of version 5 to 7.3: every real matrix in them, dense or sparse.
 
 The format: The MathWorks, MAT-File Format. SciPy's compiled reader takes more kinds of variables, but ends the whole
 process on some damaged files; this one answers every file with matrices or a ValueError.
@@ -12,9 +12,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from periodic.checks import FloatArray
+from compare.files.matlab_73 import read_matlab_73
 
 # The format's numbers for types of elements: of numbers (as NumPy calls them), of a matrix, of compressed data.
 MATLAB_NUMBER_TYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
@@ -22,34 +23,36 @@ MATRIX_TYPE, COMPRESSED_TYPE = 14, 15
 # Its numbers for classes of matrices, and the flag of complex ones.
 SPARSE_CLASS, NUMERIC_CLASSES = 5, range(6, 16)
 COMPLEX_FLAG = 0x0800
+# A compressed variable may hold so many bytes: a damaged one does not fill the memory.
+MAX_VARIABLE_BYTES = 2**30
 # Bytes before the first element.
 HEADER_BYTES = 128
 
 
-def read_matlab(path: Path, most: int) -> dict[str, FloatArray]:
-    """Return {name: matrix} of the variables in ``path``, each of at most ``most`` rows and columns.
+def read_matlab(path: Path, most: int, most_sparse: int) -> dict[str, Any]:
+    """Return {name: matrix} of the variables in ``path``: dense up to ``most`` rows, sparse up to ``most_sparse``.
 
     Raises
     ------
     OSError
         If the file cannot be read.
     ValueError
-        If it is no MATLAB file of version 5 to 7, is damaged, or a variable is no real matrix.
+        If it is no MATLAB file of version 5 or newer, is damaged, or a variable is no real matrix.
     """
     data = path.read_bytes()
     version, order = data[124:126], {b"IM": "<", b"MI": ">"}.get(data[126:128])
     if data.startswith((b"MATLAB 7.3", b"\x89HDF")):
-        raise ValueError("it is of version 7.3; save it with save(..., '-v7')")
+        return read_matlab_73(path, most, most_sparse)
     if order is None or version not in (b"\x00\x01", b"\x01\x00"):
         raise ValueError("it does not start like one of version 5 to 7; save it with save(..., '-v7')")
-    matrices: dict[str, FloatArray] = {}
+    matrices: dict[str, Any] = {}
     for kind, content in _elements(data[HEADER_BYTES:], order):
         if kind == COMPRESSED_TYPE:
-            content = _decompress(content, matrix_bytes(most))
+            content = _decompress(content, MAX_VARIABLE_BYTES)
             kind, content = next(_elements(content, order), (0, b""))
         if kind != MATRIX_TYPE:
             raise ValueError(f"it holds an element of type {kind} where a variable should be")
-        name, matrix = _variable(content, order, most)
+        name, matrix = _variable(content, order, most, most_sparse)
         if name in matrices:
             raise ValueError(f"it holds {name!r} twice")
         if name:  # MATLAB keeps what belongs to no variable under an empty name
@@ -93,7 +96,7 @@ def _decompress(content: bytes, most_bytes: int) -> bytes:
     return plain
 
 
-def _variable(content: bytes, order: str, most: int) -> tuple[str, FloatArray]:
+def _variable(content: bytes, order: str, most: int, most_sparse: int) -> tuple[str, Any]:
     """Return name and value of a variable: array flags, dimensions, name, then the numbers."""
     flags, dimensions, label, *parts = [*_elements(content, order), *[(0, b"")] * 3]
     name = label[1].decode("ascii", errors="replace")
@@ -105,11 +108,13 @@ def _variable(content: bytes, order: str, most: int) -> tuple[str, FloatArray]:
     if flag & COMPLEX_FLAG:
         raise ValueError(f"{name} is complex; give a real matrix")
     shape = _numbers(dimensions, order).tolist()
-    if len(shape) != 2 or not all(1 <= size <= most for size in shape):
-        raise ValueError(f"{name} has shape {tuple(shape)}; give a matrix of at most {most} rows")
+    limit = most_sparse if flag & 0xFF == SPARSE_CLASS else most
+    if len(shape) != 2 or not all(1 <= size <= limit for size in shape):
+        raise ValueError(f"{name} has shape {tuple(shape)}; give a matrix of at most {limit} rows")
     values = [_numbers(part, order) for part in parts if part[0]]
     if flag & 0xFF == SPARSE_CLASS:
-        return name, _sparse(name, shape, values)
+        matrix = _sparse(name, shape, values)
+        return name, matrix.toarray() if max(shape) <= most else matrix
     if len(values) != 1 or values[0].size != shape[0] * shape[1]:
         raise ValueError(f"{name} does not hold the numbers that its shape {tuple(shape)} announces")
     return name, values[0].reshape(shape, order="F").astype(float)
@@ -122,8 +127,8 @@ def _numbers(element: tuple[int, bytes], order: str) -> NDArray[Any]:
     return np.frombuffer(data, order + MATLAB_NUMBER_TYPES[kind])
 
 
-def _sparse(name: str, shape: list[int], values: list[NDArray[Any]]) -> FloatArray:
-    """Return the matrix in compressed columns: row of each entry, first entry of each column, entries."""
+def _sparse(name: str, shape: list[int], values: list[NDArray[Any]]) -> Any:
+    """Return the sparse matrix in compressed columns: row of each entry, first entry of each column, entries."""
     rows, columns = shape
     if len(values) == 3:
         row, start = values[0].astype(np.int64), values[1].astype(np.int64)
@@ -131,7 +136,5 @@ def _sparse(name: str, shape: list[int], values: list[NDArray[Any]]) -> FloatArr
         if 0 <= count <= min(row.size, values[2].size) and start[0] == 0 and (np.diff(start) >= 0).all():
             row, column = row[:count], np.repeat(np.arange(columns), np.diff(start))
             if ((row >= 0) & (row < rows)).all():
-                matrix = np.zeros((rows, columns))
-                np.add.at(matrix, (row, column), values[2][:count])
-                return matrix
+                return sp.coo_array((values[2][:count].astype(float), (row, column)), shape=(rows, columns)).tocsr()
     raise ValueError(f"{name} is a damaged sparse matrix")

@@ -10,35 +10,40 @@ from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
+import scipy.sparse as sp
 from scipy.io import savemat
 
 from compare.files.matlab_file import matrix_bytes, read_matlab
 from compare.files.matrix_market import read_matrix_market, write_matrix_market
-from compare.files.names import Part, matrices_of, parts_of, system_of
+from compare.files.names import Part, matrices_of, parts_of, sparse_system_of, system_of
 from compare.files.publish import staged
 from compare.files.python_file import run_python_file
-from periodic import AnyFamily, AnySystem, FirstOrderSystem, PeriodicSystem
-from periodic.checks import FloatArray, real_array
+from periodic import AnyFamily, AnySystem, FirstOrderSystem, PeriodicSystem, SparseSystem
+from periodic.checks import FloatArray, is_sparse, real_array
 
-# Coordinates of a system from a file. So many can still be integrated; a larger model has to be reduced to its lowest
-# modes first.
+# Coordinates of a system from a file in dense matrices: so many can still be integrated. Larger models are sparse, and
+# are reduced to their lowest modes.
 MAX_FILE_COORDINATES = 500
+MAX_SPARSE_COORDINATES = 2_000_000
+# One part of a sparse matrix in a file may hold so many bytes: a damaged one does not fill the memory.
+MAX_SPARSE_BYTES = 2**31
 MAX_MATRIX_BYTES = matrix_bytes(MAX_FILE_COORDINATES)
 
 ZIP_MAGIC = b"PK\x03\x04"
 SYSTEM_FORMATS = (
-    "give a .npz file, a MATLAB .mat file, a folder of Matrix Market files (.mtx) or a Python file with a function "
-    "system()"
+    "give a .npz file, a MATLAB .mat file, a folder of Matrix Market files (.mtx) or of sparse .npz files, or a Python "
+    "file with a function system()"
 )
 
 
-def load_system(path: str | Path) -> AnyFamily:
+def load_system(path: str | Path) -> AnyFamily | SparseSystem:
     """Read a system from a file of matrices, or from a Python file.
 
     Parameters
     ----------
     path : str or Path
-        A .npz file, a MATLAB .mat file (version 7 or older) or a folder of Matrix Market files (M.mtx, K.mtx, ...):
+        A .npz file, a MATLAB .mat file, a folder of Matrix Market files (M.mtx, K.mtx, ...) or of files that
+        `scipy.sparse.save_npz` wrote (M.npz, K.npz, ...):
         M, G, C, K and what the excitation adds to them, K1c, C2s, K1c_2, ...; or A, A1c, ... of x' = A x. In capitals
         or not, dense or sparse. M, K (or A) and one excited matrix are needed, the others are zero if missing.
         docs/matrices.md describes the format. Or a Python file (.py) with a function ``system()`` that returns a
@@ -46,7 +51,7 @@ def load_system(path: str | Path) -> AnyFamily:
 
     Returns
     -------
-    PeriodicSystem or FirstOrderSystem, or what a Python file returned
+    PeriodicSystem or FirstOrderSystem, or what a Python file returned; a SparseSystem of more than 500 coordinates
 
     Raises
     ------
@@ -67,14 +72,16 @@ def load_system(path: str | Path) -> AnyFamily:
         fault = "has no ending that says what it holds" if path.exists() else "is not there"
         raise ValueError(f"{path}: {fault}; {SYSTEM_FORMATS}")
     parts = parts_of(found)
-    matrices = {name: _dense(f"{path}: {name}", value) for name, value in found.items()}
+    large = any(is_sparse(value) for value in found.values())
+    checked = _sparse if large else _dense
+    matrices = {name: checked(f"{path}: {name}", value) for name, value in found.items()}
     first = next(name for name, part in parts.items() if part in (Part("M"), Part("A")))
-    n = len(matrices[first])
+    n = matrices[first].shape[0]
     for name, matrix in matrices.items():
         if matrix.shape != (n, n):
             raise ValueError(f"{path}: {name} has shape {matrix.shape}; give ({n}, {n}), as {first} has")
     try:
-        return system_of({parts[name]: matrix for name, matrix in matrices.items()})
+        return (sparse_system_of if large else system_of)({parts[name]: matrix for name, matrix in matrices.items()})
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
 
@@ -142,27 +149,50 @@ def _read_npz(path: Path) -> dict[str, Any]:
                 )
         matrices = {}
         for name in _checked(path, archive.files):
-            with _parser_of(path, f"the plain array {name}; a sparse matrix has to be saved by its .toarray()"):
+            with _parser_of(path, f"the plain array {name}; save sparse matrices by scipy.sparse.save_npz in a folder"):
                 matrices[name] = archive[name]
         return matrices
 
 
-def _read_mat(path: Path) -> dict[str, FloatArray]:
+def _read_mat(path: Path) -> dict[str, Any]:
     with _parser_of(path, "a MATLAB file"):
-        variables = read_matlab(path, MAX_FILE_COORDINATES)
+        variables = read_matlab(path, MAX_FILE_COORDINATES, MAX_SPARSE_COORDINATES)
     return {name: variables[name] for name in _checked(path, variables)}
 
 
-def _read_folder(path: Path) -> dict[str, FloatArray]:
+def _read_folder(path: Path) -> dict[str, Any]:
     with _parser_of(path, "a folder"):
-        files = {file.stem: file for file in sorted(path.iterdir()) if file.suffix.lower() == ".mtx"}
+        files = {file.stem: file for file in sorted(path.iterdir()) if file.suffix.lower() in (".mtx", ".npz")}
     if not files:
-        raise ValueError(f"{path}: this folder has no .mtx file; {SYSTEM_FORMATS}")
-    matrices = {}
+        raise ValueError(f"{path}: this folder has no .mtx or .npz file; {SYSTEM_FORMATS}")
+    matrices: dict[str, Any] = {}
     for name in _checked(path, files):
+        if files[name].suffix.lower() == ".npz":
+            with _parser_of(files[name], "a sparse matrix of scipy.sparse.save_npz"):
+                matrices[name] = _sparse_npz(files[name])
+            continue
         with _parser_of(files[name], "a Matrix Market file"):
-            matrices[name] = read_matrix_market(files[name], MAX_FILE_COORDINATES)
+            matrices[name] = read_matrix_market(files[name], MAX_FILE_COORDINATES, MAX_SPARSE_COORDINATES)
     return matrices
+
+
+def _sparse_npz(path: Path) -> Any:
+    """Return a sparse matrix in compressed rows; dense if it is small."""
+    file = io.BytesIO(path.read_bytes())
+    if not file.getbuffer()[: len(ZIP_MAGIC)] == ZIP_MAGIC:
+        raise ValueError("it does not start like one")
+    with np.load(file, allow_pickle=False) as archive:
+        for member in archive.zip.infolist():
+            if member.file_size > MAX_SPARSE_BYTES:
+                raise ValueError(f"{member.filename} has {member.file_size} bytes; give at most {MAX_SPARSE_BYTES}")
+    file.seek(0)
+    matrix: Any = sp.load_npz(file)
+    rows = max(matrix.shape)
+    if rows > MAX_SPARSE_COORDINATES:
+        raise ValueError(f"it has {rows} rows; give at most {MAX_SPARSE_COORDINATES}")
+    if hasattr(matrix, "check_format"):
+        matrix.check_format(full_check=True)
+    return matrix.toarray() if rows <= MAX_FILE_COORDINATES else matrix.tocsr()
 
 
 @contextmanager
@@ -193,16 +223,17 @@ def _check_shape(name: str, shape: tuple[int, ...]) -> None:
         raise ValueError(f"{name} has shape {tuple(shape)}; give a square matrix")
     if shape[0] > MAX_FILE_COORDINATES:
         raise ValueError(
-            f"{name} has {shape[0]} coordinates; reduce the model to its lowest modes first, "
-            f"to at most {MAX_FILE_COORDINATES} coordinates"
+            f"{name} is dense and has {shape[0]} coordinates; give more than {MAX_FILE_COORDINATES} as sparse matrices"
         )
 
 
+def _sparse(name: str, value: Any) -> Any:
+    """Return a matrix of a large system in compressed rows."""
+    return value.tocsr() if is_sparse(value) else sp.csr_array(value)
+
+
 def _dense(name: str, value: Any) -> FloatArray:
-    """Return a sparse or dense matrix, or a number, as a checked square float64 array."""
-    if hasattr(value, "toarray"):  # sparse
-        _check_shape(name, value.shape)
-        value = value.toarray()
+    """Return a matrix, or a number, as a checked square float64 array."""
     value = np.asarray(value)
     if value.ndim == 0:
         value = value.reshape(1, 1)

@@ -8,8 +8,10 @@ ValueError.
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from periodic.checks import FloatArray
@@ -17,8 +19,8 @@ from periodic.checks import FloatArray
 SYMMETRY_SIGNS = {"general": 0, "symmetric": 1, "skew-symmetric": -1}
 
 
-def read_matrix_market(path: Path, most: int) -> FloatArray:
-    """Return the real square matrix in ``path``, of at most ``most`` rows, dense.
+def read_matrix_market(path: Path, most: int, most_sparse: int) -> Any:
+    """Return the real square matrix in ``path``: dense up to ``most`` rows, sparse up to ``most_sparse``.
 
     Raises
     ------
@@ -39,11 +41,13 @@ def read_matrix_market(path: Path, most: int) -> FloatArray:
         )
     rows = [line for line in lines[1:] if line.strip() and not line.startswith("%")]
     sizes = [int(text) for text in rows[0].split()] if rows else []
-    if len(sizes) != (3 if layout == "coordinate" else 2) or sizes[0] != sizes[1] or not 1 <= sizes[0] <= most:
-        raise ValueError(f"its size line says {sizes}; give a square matrix of at most {most} rows")
+    limit = most_sparse if layout == "coordinate" else most
+    if len(sizes) != (3 if layout == "coordinate" else 2) or sizes[0] != sizes[1] or not 1 <= sizes[0] <= limit:
+        raise ValueError(f"its size line says {sizes}; give a square matrix of at most {limit} rows")
     sign = SYMMETRY_SIGNS[symmetry]
     if layout == "coordinate":
-        return _coordinate(rows[1:], sizes[0], sizes[2], sign)
+        matrix = _coordinate(rows[1:], sizes[0], sizes[2], sign)
+        return matrix.toarray() if sizes[0] <= most else matrix
     return _array(np.array(" ".join(rows[1:]).split(), dtype=float), sizes[0], sign)
 
 
@@ -54,22 +58,22 @@ def write_matrix_market(path: Path, matrix: FloatArray) -> None:
     path.write_text("\n".join([*head, *entries, ""]), encoding="utf-8")
 
 
-def _coordinate(rows: list[str], n: int, count: int, sign: int) -> FloatArray:
-    """Return the matrix given by lines "row column value", entries of one place added up."""
-    table = np.array([row.split() for row in rows] or np.empty((0, 3)), dtype=float)
+def _coordinate(rows: list[str], n: int, count: int, sign: int) -> Any:
+    """Return the sparse matrix given by lines "row column value", entries of one place added up."""
+    table = np.loadtxt(rows, ndmin=2, comments=None) if rows else np.empty((0, 3))
     if table.shape != (count, 3):
         raise ValueError(
             f"it has entries of shape {table.shape}; its size line announces {count} of row, column, value"
         )
-    i, j = (table[:, :2].T - 1).astype(int)
     if ((table[:, :2] < 1) | (table[:, :2] > n) | (table[:, :2] % 1 != 0)).any():
         raise ValueError(f"it has an entry outside its {n} rows and columns")
-    matrix = np.zeros((n, n))
-    np.add.at(matrix, (i, j), table[:, 2])
+    i, j = (table[:, :2].T - 1).astype(int)
+    values = table[:, 2]
     if sign:
         off = i != j
-        np.add.at(matrix, (j[off], i[off]), sign * table[off, 2])
-    return matrix
+        i, j = np.concatenate([i, j[off]]), np.concatenate([j, i[off]])
+        values = np.concatenate([values, sign * values[off]])
+    return sp.coo_array((values, (i, j)), shape=(n, n)).tocsr()
 
 
 def _array(values: NDArray[np.float64], n: int, sign: int) -> FloatArray:

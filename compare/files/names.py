@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from periodic import FirstOrderSystem, PeriodicSystem, Term, waveforms
+from periodic import FirstOrderSystem, PeriodicSystem, SparseSystem, Term, waveforms
 from periodic.checks import FloatArray
 from periodic.terms import MAX_POWER
 from periodic.waveforms import Trigonometric
@@ -129,9 +129,25 @@ def system_of(matrices: Mapping[Part, FloatArray]) -> PeriodicSystem | FirstOrde
     try:
         return PeriodicSystem(**constant, cosine=cosine, sine=sine, terms=terms)
     except ValueError as error:
-        field, _, fault = str(error).partition(" ")
-        letter = MATRIX_NAMES.get(field, "the system")
-        raise ValueError(f"{letter} ({field}) {fault}{_hint(letter, fault)}") from None
+        raise _named(error) from None
+
+
+def sparse_system_of(matrices: Mapping[Part, Any]) -> SparseSystem:
+    """Return the large system that sparse matrices make.
+
+    Raises
+    ------
+    ValueError
+        If one of them is not what its name asks for; the message begins with that name.
+    """
+    if Part(STATE_LETTER) in matrices:
+        raise ValueError("A has too many states: only M, G, C, K can be reduced to their lowest modes; give these")
+    constant: dict[str, Any] = {of: matrices.get(Part(letter)) for of, letter in MATRIX_NAMES.items()}
+    terms = [_term(part, matrix) for part, matrix in matrices.items() if part.power]
+    try:
+        return SparseSystem(**constant, terms=terms)
+    except ValueError as error:
+        raise _named(error) from None
 
 
 def matrices_of(system: PeriodicSystem | FirstOrderSystem) -> dict[Part, FloatArray]:
@@ -189,6 +205,13 @@ def _term(part: Part, matrix: FloatArray) -> Term:
     except ValueError as error:
         fault = str(error).partition("'s matrix ")[2] or str(error)
         raise ValueError(f"{part.name} {fault}{_hint(part.letter, fault)}") from None
+
+
+def _named(error: ValueError) -> ValueError:
+    """Return an error of a system with the letter of the matrix that it is about."""
+    field, _, fault = str(error).partition(" ")
+    letter = MATRIX_NAMES.get(field, "the system")
+    return ValueError(f"{letter} ({field}) {fault}{_hint(letter, fault)}")
 
 
 def _hint(letter: str, fault: str) -> str:

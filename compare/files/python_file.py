@@ -5,7 +5,7 @@ from __future__ import annotations
 import runpy
 from pathlib import Path
 
-from periodic import AnyFamily, any_member_at
+from periodic import AnyFamily, SparseSystem, any_member_at
 
 # The function that a file defines.
 FUNCTION = "system"
@@ -13,7 +13,7 @@ FUNCTION = "system"
 FREQUENCY_TRIED = 1.0
 
 
-def run_python_file(path: Path) -> AnyFamily:
+def run_python_file(path: Path) -> AnyFamily | SparseSystem:
     """Execute a file and return what its function ``system()`` returns: a system, or a family such as a plate.
 
     Raises
@@ -35,6 +35,8 @@ def run_python_file(path: Path) -> AnyFamily:
     except (Exception, SystemExit) as error:
         hint = "; its parameters need defaults" if "missing" in str(error) and isinstance(error, TypeError) else ""
         raise ValueError(f"{path}: {FUNCTION}() failed ({_what(error)}){hint}") from error
+    if isinstance(found, SparseSystem):
+        return found
     try:
         any_member_at(found, FREQUENCY_TRIED, f"what {FUNCTION}() returned")
     except Exception as error:

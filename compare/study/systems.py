@@ -14,13 +14,16 @@ from compare.study.study import Subject
 from compare.study.truncation import lowest_modes
 from compare.window import MODES_SHOWN, default_window
 from floquet.boundary import natural_modes
-from periodic import AnyFamily, AnySystem, PeriodicSystem, has_stiffness_alone
+from periodic import AnyFamily, AnySystem, SparseSystem, has_stiffness_alone
 from periodic.checks import FloatArray, interval, real_number, whole_number
 from periodic.system import SYMMETRY_TOLERANCE
 from perturb import gyroscopic_modes, transition_curves
+from reduction import first_modes
 
 # Columns and rows of the chart.
 CHART_POINTS = (256, 128)
+# Modes of a large system that a default window is chosen by.
+FIRST_MODES = 12
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +34,7 @@ class OwnSystem:
     ----------
     path : Path
     system : AnyFamily
-        As it is integrated: a large one with periodic stiffness alone in its lowest modes.
+        As it is integrated: a large or stiff one in its lowest modes.
     window, eps : (float, float), float
         Excitation frequencies and largest amplitude.
     remark : str
@@ -66,24 +69,34 @@ def own_system(
     Raises
     ------
     ValueError
-        If the file is not readable, a matrix is wrong, or the window is; the message names what it is about.
+        If the file is not readable, a matrix is wrong, or the window is, or a system of sparse matrices cannot be
+        reduced or is not to be; the message names what it is about.
     """
     path = Path(path)
     system = load_system(path)
+    if isinstance(system, SparseSystem) and all_modes:
+        raise ValueError(
+            f"{path}: {system.size} coordinates are too many to integrate all modes; leave out --all-modes"
+        )
     window, eps = Omega_range, eps_max
     if window is None or eps is None:
         try:
-            default, default_eps = default_window(system.at(0.0))
+            slow = first_modes(system, FIRST_MODES) if isinstance(system, SparseSystem) else system.at(0.0)
+            default, default_eps = default_window(slow)
         except ValueError as error:
             raise ValueError(f"{path}: {error}") from None
         window, eps = window or default, default_eps if eps is None else eps
     low, high = interval("Omega_range", window, nonnegative=True)
     window = real_number("Omega_range[0]", low, positive=True), high
     eps = real_number("eps_max", eps, positive=True)
-    small, rigid = elastic_part(system, high)
+    small, rigid = (system, 0) if isinstance(system, SparseSystem) else elastic_part(system, high)
     remark = ""
-    if isinstance(small, PeriodicSystem) and has_stiffness_alone(small) and not all_modes:
-        small, remark = lowest_modes(small, window, eps)
+    if not all_modes:
+        try:
+            small, remark = lowest_modes(small, window, eps)
+        except ValueError as error:
+            raise ValueError(f"{path}: {error}") from None
+    assert not isinstance(small, SparseSystem)
     if rigid:
         motions = "1 rigid-body motion is" if rigid == 1 else f"{rigid} rigid-body motions are"
         set_apart = f"{motions} set apart: without stiffness, and the excitation never touches it."

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from compare.files.matrices import MAX_FILE_COORDINATES, load_system, save_system
-from periodic import PeriodicSystem
+from periodic import PeriodicSystem, SparseSystem
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu, meissner
 from tests.paths import ROOT
 
@@ -139,27 +140,96 @@ def test_an_error_names_the_file_and_the_matrix(tmp_path: Path, matrices: dict[s
         load_system(tmp_path / "a.npz")
 
 
-def test_too_many_coordinates_are_refused_before_memory_is_taken(tmp_path: Path) -> None:
+def test_too_many_coordinates_are_refused_before_memory_is_taken(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     n = MAX_FILE_COORDINATES + 1
     np.savez_compressed(tmp_path / "a.npz", M=np.eye(n), K=np.eye(n), F1c=np.eye(n))
-    with pytest.raises(ValueError, match=r"a\.npz: M has 501 coordinates; reduce the model"):
+    with pytest.raises(ValueError, match=r"a\.npz: M is dense and has 501 coordinates; give more"):
         load_system(tmp_path / "a.npz")
     np.savez_compressed(tmp_path / "a.npz", M=np.eye(2 * n), K=np.eye(n), F1c=np.eye(n))
     with pytest.raises(ValueError, match=r"a\.npz: M\.npy has \d+ bytes"):
         load_system(tmp_path / "a.npz")
-    many = scipy.sparse.eye(10**6, format="csc")
+    monkeypatch.setattr("compare.files.matrices.MAX_SPARSE_COORDINATES", 10**4)
+    many = scipy.sparse.eye(10**4 + 1, format="csc")
     scipy.io.savemat(tmp_path / "a.mat", {"M": many, "K": many, "F1c": many}, do_compression=True)
-    with pytest.raises(ValueError, match=r"a\.mat"):
+    with pytest.raises(ValueError, match=r"a\.mat: .*at most 10000 rows"):
         load_system(tmp_path / "a.mat")
+    (tmp_path / "a.npz").unlink()
     for name in ("M", "K", "F1c"):
         (tmp_path / f"{name}.mtx").write_text(f"%%MatrixMarket matrix array real general\n{10**9} {10**9}\n1\n")
     with pytest.raises(ValueError, match=r"\.mtx: .*at most 500 rows"):
         load_system(tmp_path)
 
 
+def sparse_parts(n: int) -> dict[str, Any]:
+    """Matrices of a chain of n masses, in compressed columns."""
+    K = scipy.sparse.diags_array([-1.0, 2.0, -1.0], offsets=[-1, 0, 1], shape=(n, n)).tocsc()
+    return {"M": scipy.sparse.eye_array(n).tocsc(), "K": K, "K1c_2": 0.5 * scipy.sparse.eye_array(n).tocsc()}
+
+
+def matlab_73(path: Path, parts: dict[str, Any]) -> None:
+    """Write sparse matrices as MATLAB does in version 7.3."""
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(path, "w", userblock_size=512) as file:
+        for name, X in parts.items():
+            group = file.create_group(name)
+            group.attrs["MATLAB_sparse"] = np.uint64(X.shape[0])
+            group["data"], group["ir"], group["jc"] = X.data, X.indices.astype("u8"), X.indptr.astype("u8")
+    with path.open("r+b") as raw:
+        raw.write(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM")
+
+
+@pytest.mark.parametrize("form", ["folder of npz", "folder of mtx", "a.mat", "7.3"])
+@pytest.mark.parametrize("n", [5, MAX_FILE_COORDINATES + 100])
+def test_sparse_matrices_are_a_dense_system_if_small_and_a_sparse_one_if_large(
+    tmp_path: Path, form: str, n: int
+) -> None:
+    parts, path = sparse_parts(n), tmp_path
+    if form == "folder of npz":
+        for name, X in parts.items():
+            scipy.sparse.save_npz(tmp_path / f"{name}.npz", X)
+    elif form == "folder of mtx":
+        for name, X in parts.items():
+            scipy.io.mmwrite(tmp_path / f"{name}.mtx", X, symmetry="symmetric")
+    else:
+        path = tmp_path / "a.mat"
+        matlab_73(path, parts) if form == "7.3" else scipy.io.savemat(path, parts)
+    found = load_system(path)
+    if n == 5:
+        assert isinstance(found, PeriodicSystem)
+        np.testing.assert_array_equal(found.stiffness, parts["K"].toarray())
+    else:
+        assert isinstance(found, SparseSystem)
+        assert abs(found.stiffness - parts["K"]).max() == 0
+    assert [(term.of, term.power) for term in found.terms] == [("stiffness", 2)]
+
+
+def test_faults_of_sparse_files(tmp_path: Path) -> None:
+    n = MAX_FILE_COORDINATES + 1
+    many = scipy.sparse.eye_array(n).tocsr()
+    for name in ("A", "A1c"):
+        scipy.sparse.save_npz(tmp_path / f"{name}.npz", many)
+    with pytest.raises(ValueError, match="A has too many states"):
+        load_system(tmp_path)
+    other = tmp_path / "other"
+    other.mkdir()
+    lone = scipy.sparse.csr_array(([1.0], ([0], [1])), shape=(n, n))
+    for name, X in (("M", many), ("K", lone), ("K1c", many)):
+        scipy.sparse.save_npz(other / f"{name}.npz", X)
+    with pytest.raises(ValueError, match=r"other: K \(stiffness\) is not symmetric"):
+        load_system(other)
+    scipy.sparse.save_npz(other / "K.npz", scipy.sparse.eye_array(n + 1).tocsr())
+    with pytest.raises(ValueError, match=r"K has shape \(502, 502\)"):
+        load_system(other)
+    (other / "K.npz").write_bytes(b"PK\x03\x04 damaged")
+    with pytest.raises(ValueError, match=r"K\.npz: cannot be read"):
+        load_system(other)
+
+
 def test_no_pickle_is_ever_loaded(tmp_path: Path) -> None:
     np.savez(tmp_path / "a.npz", M=M, K=K, F1c=np.array({"a": 1}, dtype=object))
-    with pytest.raises(ValueError, match=r"a\.npz: .*array F1c; a sparse matrix has to be saved by its \.toarray"):
+    with pytest.raises(ValueError, match=r"a\.npz: .*array F1c; save sparse matrices by scipy"):
         load_system(tmp_path / "a.npz")
     (tmp_path / "b.npz").write_bytes(b"\x80\x04.")  # a bare pickle, which numpy.load would look into
     with pytest.raises(ValueError, match=r"b\.npz: cannot be read as an \.npz file \(it does not start like one\)"):
@@ -173,10 +243,13 @@ def test_other_variables_in_a_matlab_file(tmp_path: Path) -> None:
             load_system(tmp_path / "a.mat")
 
 
-def test_matlab_files_of_other_versions(tmp_path: Path) -> None:
+def test_matlab_files_of_other_versions(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "a.mat"
     path.write_bytes(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\x00\x02IM" + b"\x89HDF")
-    with pytest.raises(ValueError, match=r"a\.mat: .*version 7\.3; save it with save\(\.\.\., '-v7'\)"):
+    with pytest.raises(ValueError, match=r"a\.mat: cannot be read"):
+        load_system(path)
+    monkeypatch.setitem(sys.modules, "h5py", None)
+    with pytest.raises(ValueError, match=r"a\.mat: .*version 7\.3, which needs h5py: pip install .*'-v7'"):
         load_system(path)
     scipy.io.savemat(path, {"M": M, "K": K, "F1c": F}, format="4")
     with pytest.raises(ValueError, match=r"a\.mat: .*'-v7'"):
