@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,10 +12,13 @@ import pytest
 import scipy.sparse as sp
 
 from beam import MovingBeam
+from compare.files import load_system
 from floquet import trace_boundary
 from periodic import FirstOrderSystem, PeriodicSystem, SparseSystem, Term, waveforms
 from perturb import gyroscopic_modes
+from plate import MovingPlate
 from reduction import first_modes, reduce_model
+from tests.paths import ROOT
 from tests.sparse_models import moving_beam, square_plate
 
 
@@ -45,6 +51,18 @@ def test_both_ways_to_the_modes_agree(monkeypatch: pytest.MonkeyPatch) -> None:
             b = reduce_model(system, (2.0, 40.0))
         np.testing.assert_allclose(a.frequencies, b.frequencies, rtol=1e-9)
         assert a.change(1.0) == pytest.approx(b.change(1.0), rel=0.05)  # the norm is found by iteration
+
+
+def test_a_moving_web_of_finite_elements_is_the_moving_plate(tmp_path: Path) -> None:
+    folder = tmp_path / "web"
+    script = [sys.executable, str(ROOT / "examples" / "finite_element_plate.py"), str(folder)]
+    subprocess.run([*script, "--elements", "14", "--speed", "2"], check=True)
+    system = load_system(folder)
+    assert isinstance(system, SparseSystem)
+    found = first_modes(system, 4)
+    plate = MovingPlate(speed=2.0, tension=10.0, axial_terms=10, lateral_terms=8).at(1.0)
+    exact = gyroscopic_modes(plate).frequencies[:4]
+    np.testing.assert_allclose(gyroscopic_modes(found).frequencies[:4], exact, rtol=1e-4)
 
 
 @pytest.mark.parametrize("speed", [0.0, 2.0])
