@@ -40,6 +40,11 @@ def kernel_hash(root: Path | None = None) -> str:
         As in `source_hash`.
     """
     root = _root(root)
+    return _digest(root, kernel_files(root))
+
+
+def kernel_files(root: Path) -> list[Path]:
+    """Return the files that kernels are compiled from: those that import Numba, and all that they import."""
     modules = {".".join(file.relative_to(root).with_suffix("").parts): file for file in _files(root)}
     modules = {name.removesuffix(".__init__"): file for name, file in modules.items()}
     imported = {name: _imports(file) for name, file in modules.items()}
@@ -50,7 +55,7 @@ def kernel_hash(root: Path | None = None) -> str:
         if name in modules and name not in found:
             found.add(name)
             waiting.extend(imported[name])
-    return _digest(root, sorted(modules[name] for name in found))
+    return sorted(modules[name] for name in found)
 
 
 def _root(root: Path | None) -> Path:

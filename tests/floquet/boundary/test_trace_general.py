@@ -12,6 +12,7 @@ from floquet.boundary import BoundaryTrace, Resonance, natural_modes, resonances
 from periodic import AnySystem, FirstOrderSystem, PeriodicSystem, Term, waveforms
 from tests.floquet.general_oracles import dop853
 from tests.general_systems import Reference, references_general
+from tests.sparing import all_but
 
 # Systems of the file whose coefficients are constant between jumps: their edges are exact there, and here.
 STEPWISE = ("meissner", "kick")
@@ -43,12 +44,12 @@ def assert_edges_separate(system: Any, trace: BoundaryTrace) -> None:
             assert growth(system, upper - step, eps) > 0 > growth(system, upper + step, eps)
 
 
-# The most expensive of the systems in the file: half a minute.
-LONG = "plate_V3.0_f10.0_r1.0_c0.0"
-NAMES = sorted({entry["system"] for entry in ENTRIES} - {LONG})
+# The most expensive of the systems in the file.
+LONG = ["plate_V3.0_f10.0_r1.0_c0.0", "beam_v2.0_vf0.8_N4_a0", "pipe_u2.0_b0.5"]
+NAMES = sorted({entry["system"] for entry in ENTRIES})
 
 
-@pytest.mark.parametrize("name", [*NAMES, pytest.param(LONG, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("name", all_but(LONG, NAMES))
 def test_edges_of_the_references(name: str) -> None:
     # the unstable set at one amplitude is the union of what the file has; an interval may be that of another resonance
     # in the window that was searched; what is not found was said to be undecided

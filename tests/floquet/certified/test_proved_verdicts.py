@@ -21,6 +21,7 @@ from periodic import PeriodicSystem
 from periodic.checks import FloatArray
 from periodic.examples import coupled_mathieu, gyroscopic_rotor, mathieu, meissner
 from plate import EdgeLoad, MovingPlate
+from tests.sparing import all_but
 
 # Relative distances from a boundary at which points are tried on either side; boundaries are located ten times better.
 DISTANCES = (1e-6, 1e-7, 1e-8, 1e-9)
@@ -127,7 +128,11 @@ def compare(study: Study, spread: int, distances: tuple[float, ...]) -> tuple[Co
     return counts, faults
 
 
-@pytest.mark.parametrize("name", SMALL)
+# Many seconds each.
+DEAR = ["plate", "rotor", "rotor, damped", "rotor, oval shaft", "coupled, double", "coupled, difference"]
+
+
+@pytest.mark.parametrize("name", all_but(DEAR, SMALL))
 def test_verdicts_are_proved(name: str) -> None:
     counts, faults = compare(SMALL[name], 8, FEW_DISTANCES)
     assert not faults, "\n".join(faults)

@@ -11,6 +11,7 @@ from periodic import PeriodicSystem
 from periodic.checks import FloatArray
 from periodic.examples import coupled_mathieu, mathieu
 from tests.floquet.oracle_systems import random_system
+from tests.sparing import all_but
 
 flint = pytest.importorskip("flint", reason="python-flint, the extra certify, is not installed")
 from flint import acb, acb_mat, arb_mat, ctx  # noqa: E402
@@ -109,11 +110,11 @@ SYSTEMS = {
 }
 
 
-# Proofs of these take many seconds each: of three and four coordinates half a minute.
-LONG = {"random 1", "random 2", "random 3"}
+# Proofs of these take many seconds each.
+LONG = {"random 1", "random 2", "random 3", "random 5", "coupled"}
 
 
-@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name in LONG)) for name in SYSTEMS])
+@pytest.mark.parametrize("name", all_but(LONG, SYSTEMS))
 def test_all_multipliers_are_right_to_1e_8_of_themselves(name: str) -> None:
     system, Omega, eps = SYSTEMS[name]
     found = monodromy(system, Omega, eps)
