@@ -19,6 +19,7 @@ from compare.files import save_system
 from floquet import StabilityChart
 from floquet_scripts import explore, validate
 from periodic.examples import coupled_mathieu, mathieu
+from tests.sparing import all_but
 
 COLUMNS, BLOCKS = 640, 40
 CHART = ("--Omega", "0.7", "5.0", "--eps", "1.0", "--points", str(COLUMNS), "12", "--no-regions", "--no-progress")
@@ -32,8 +33,6 @@ import signal, sys, time
 signal.signal(signal.SIGINT, signal.default_int_handler)
 from floquet.chart import filling
 from floquet_scripts import explore
-from tests.sparing import all_but
-from tests.sparing import all_but
 whole = filling.chart_batch
 def slow(*arguments):
     time.sleep(0.04)
