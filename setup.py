@@ -5,11 +5,13 @@ from setuptools import find_packages, setup
 ROOMS = ["periodic", "plate", "beam", "reduction", "perturb", "floquet", "compare", "floquet_charts"]
 
 setup(
-    # The folders scripts/ and cases/ would be too general as names of installed packages.
-    package_dir={"floquet_scripts": "scripts", "floquet_cases": "cases"},
+    # The folders scripts/, cases/ and examples/ would be too general as names of installed packages.
+    package_dir={"floquet_scripts": "scripts", "floquet_cases": "cases", "floquet_examples": "examples"},
     packages=[
         "floquet_scripts",
         "floquet_cases",
+        "floquet_examples",
+        *(f"floquet_examples.{problem}" for problem in find_packages("examples")),
         *find_packages(include=[*ROOMS, *(f"{room}.*" for room in ROOMS)]),
     ],
 )

@@ -11,6 +11,7 @@ COMMANDS = {
     "validate": "judge theory against integration, for the paper's figures or a system of yours; a report",
     "explore": "draw the chart of a plate or a system in any window, trace its regions, look at it in a browser",
     "modes": "show how a system moves at one point: frequencies, growth, damping, harmonics",
+    "gallery": "compute twenty-one charts that are published or exactly known, and compare their numbers",
     "certify": "prove that one point is stable or unstable, in ball arithmetic",
 }
 HELP = f"""\

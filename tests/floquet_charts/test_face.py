@@ -15,7 +15,7 @@ from floquet_charts.__main__ import COMMANDS, main
 from floquet_scripts import running
 from tests.paths import ROOT
 
-ROOMS = ("periodic", "plate", "beam", "perturb", "perturb.general", "floquet", "floquet.modes", "compare")
+ROOMS = ("periodic", "plate", "beam", "reduction", "perturb", "perturb.general", "floquet", "floquet.modes", "compare")
 
 
 @pytest.mark.parametrize("room", ROOMS)

@@ -11,7 +11,7 @@ import pytest
 
 from tests.paths import ROOT
 
-COMMANDS = ("validate", "explore", "modes", "certify")
+COMMANDS = ("validate", "explore", "modes", "gallery", "certify")
 COMPILE_TWICE = """
 import numba
 from floquet_scripts.compiling import announce_compilation

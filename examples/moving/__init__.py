@@ -1,0 +1,1 @@
+"""Moving media: strings, belts, webs, pipes with flow."""

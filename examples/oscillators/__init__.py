@@ -1,0 +1,1 @@
+"""Oscillators: pendulums, traps, resonators, a ship."""

@@ -1,0 +1,1 @@
+"""Rotors: shafts, propellers, helicopters, gears."""

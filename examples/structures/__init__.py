@@ -1,0 +1,1 @@
+"""Structures: columns and plates under loads that pulsate, chains, dampers."""
