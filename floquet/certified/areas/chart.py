@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import io
 import json
 import math
@@ -14,6 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from floquet.certified.areas.coefficients import Coefficients
 from floquet.certified.areas.models import ROUNDING
 from floquet.certified.areas.ranges import OPEN, STABLE, UNSTABLE, open_on_line, open_part, verdicts_at
 from floquet.certified.areas.search import Found
@@ -64,12 +66,12 @@ class PartArrays(NamedTuple):
         Which coordinates of the system these are.
     T1, scale : ndarray, shapes (n, n), (n,)
         W' = T1 z_1, W = T1 diag(1 / scale) z_2.
+    quarter : ndarray of bool, shape ()
+        Whether the period starts at theta = pi / 2, and not at 0.
     patches : ndarray, shape (p, 4)
         l0, h1, e0, h2.
     degree : int
-        Of the patches.
-    model, radius : ndarray, shapes (p, coefficients, 2n, 2n), (p,)
-        Models of the monodromy matrix.
+        Of the patches' models.
     first_leaf : ndarray of int, shape (p + 1,)
     leaves : ndarray, shape (l, 4)
         x0, hx, y0, hy.
@@ -89,10 +91,9 @@ class PartArrays(NamedTuple):
     coordinates: Any
     T1: Any
     scale: Any
+    quarter: Any
     patches: Any
     degree: Any
-    model: Any
-    radius: Any
     first_leaf: Any
     leaves: Any
     whole: Any
@@ -106,7 +107,7 @@ class PartArrays(NamedTuple):
     left: Any
 
 
-def arrays_of(found: list[Found], coordinates: np.ndarray, T1: FloatArray, scale: FloatArray) -> PartArrays:
+def arrays_of(found: list[Found], coordinates: np.ndarray, equation: Coefficients) -> PartArrays:
     """Return everything that was found of a subsystem, in arrays."""
     patches = [one for each in found for one in each.patches]
     leaves = [leaf for one in patches for leaf in one.leaves]
@@ -121,14 +122,11 @@ def arrays_of(found: list[Found], coordinates: np.ndarray, T1: FloatArray, scale
             basis[i] = proof.basis
     return PartArrays(
         coordinates=np.asarray(coordinates),
-        T1=T1,
-        scale=scale,
+        T1=equation.T1,
+        scale=equation.scale,
+        quarter=np.array(equation.quarter),
         patches=np.array([one.patch[:4] for one in patches]).reshape(-1, 4),
         degree=np.array(patches[0].patch.model.degree if patches else 0),
-        model=np.array([one.patch.model.coef for one in patches]).reshape(
-            len(patches), len(patches[0].patch.model.coef) if patches else 0, N, N
-        ),
-        radius=np.array([one.patch.model.radius for one in patches]),
         first_leaf=np.cumsum([0, *(len(one.leaves) for one in patches)]),
         leaves=np.array([leaf.cell for leaf in leaves]).reshape(-1, 4),
         whole=np.array([proof is not None and proof.whole for proof in proofs], dtype=bool),
@@ -280,6 +278,8 @@ class ProvedChart:
         )
         for i, part in enumerate(self.parts):
             arrays |= {f"{name}_{i}": value for name, value in part._asdict().items()}
+        arrays = {name: np.ascontiguousarray(value).reshape(np.shape(value)) for name, value in arrays.items()}
+        arrays["digest"] = np.array(_digest(arrays))
         buffer = io.BytesIO()
         np.savez_compressed(buffer, **arrays)
         replace_file(Path(path), buffer.getvalue())
@@ -318,6 +318,15 @@ class ProvedChart:
 
 
 MATRICES = ("mass", "gyroscopic", "damping", "stiffness", "cosine", "sine")
+
+
+def _digest(arrays: dict[str, Any]) -> str:
+    """Return the SHA-256 of all names, shapes and numbers, as `floquet.certified.checking` reads them."""
+    text = ""
+    for name, value in sorted(arrays.items()):
+        flat = value.ravel().tolist()
+        text += f"{name}{value.shape}{[x.hex() if isinstance(x, float) else x for x in flat]}"
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def _together(codes: np.ndarray) -> np.ndarray:

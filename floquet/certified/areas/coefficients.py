@@ -27,7 +27,7 @@ GROWTH_SLACK = 1e-9
 
 
 class Coefficients(NamedTuple):
-    """z' = (A + eps sum_w g_w(theta) F_w) z / Omega, a prime for d/d theta; W' = T_1 z_1, W = T_2 z_2.
+    """z' = (A + eps sum_w g_w(theta) F_w) z / Omega, a prime for d/d theta.
 
     Attributes
     ----------
@@ -45,6 +45,10 @@ class Coefficients(NamedTuple):
         Phi^T J Phi = J, to `COEFFICIENT_ERROR` of its Frobenius norm.
     reversible : bool
         Whether R Phi R = Phi^-1 with R = diag(-I, I).
+    quarter : bool
+        Whether theta = 0 stands for the phase 1/4.
+    T1, scale : ndarray, shapes (n, n), (n,)
+        W' = T1 z_1, W = T1 diag(1 / scale) z_2.
     """
 
     A: FloatArray
@@ -57,6 +61,7 @@ class Coefficients(NamedTuple):
     symmetric_norms: FloatArray
     form: FloatArray | None
     reversible: bool
+    quarter: bool
     T1: FloatArray
     scale: FloatArray
 
@@ -89,7 +94,7 @@ def coefficients_of(system: PeriodicSystem) -> Coefficients:
     excitation = max(float(np.abs(X).max(initial=0.0)) for X in (system.cosine, system.sine))
     highest = max(float(frequencies.max()), np.sqrt(excitation / float(np.abs(system.mass).max())), 1e-100)
     scale = np.maximum(frequencies, LOWEST_SCALE * highest)
-    waves = _waves(system)
+    quarter, waves = _waves(system)
     with ctx.workprec(BITS):
         left, right = exact(Psi.T), exact(Psi)
         inverse = (left * exact(system.mass) * right).inv()
@@ -129,13 +134,14 @@ def coefficients_of(system: PeriodicSystem) -> Coefficients:
         np.array(symmetric),
         form,
         is_reversible(system, 1.0),
+        quarter,
         Psi,
         scale,
     )
 
 
-def _waves(system: PeriodicSystem) -> list[tuple[int, bool, FloatArray]]:
-    """Return harmonic, whether it is a sine, and matrix of every wave.
+def _waves(system: PeriodicSystem) -> tuple[bool, list[tuple[int, bool, FloatArray]]]:
+    """Return whether theta = 0 stands for the phase 1/4; harmonic, whether it is a sine, and matrix of every wave.
 
     About the phase 1/4 sines of odd and cosines of even harmonics are even in time. A system that is even about that
     phase and not about 0 is started there: its waves are then cosines alone.
@@ -145,8 +151,8 @@ def _waves(system: PeriodicSystem) -> list[tuple[int, bool, FloatArray]]:
         found += [(j, is_sine, X) for is_sine, X in ((False, c), (True, s)) if X.any()]
     if any(s for _, s, _ in found) and all(s == bool(j % 2) for j, s, _ in found):
         # sin j (theta + pi/2) = cos(j theta) (-1)^((j - 1) / 2), cos j (theta + pi/2) = cos(j theta) (-1)^(j / 2)
-        return [(j, False, X * (-1.0) ** (j // 2)) for j, _, X in found]
-    return found
+        return True, [(j, False, X * (-1.0) ** (j // 2)) for j, _, X in found]
+    return False, found
 
 
 def _nearest(enclosed: arb_mat) -> tuple[FloatArray, arb]:

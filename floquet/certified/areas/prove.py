@@ -11,7 +11,7 @@ from joblib import effective_n_jobs
 from scipy.sparse.csgraph import connected_components
 from tqdm import tqdm
 
-from floquet.certified.areas.chart import AreaVerdict, PartArrays, ProvedChart, arrays_of
+from floquet.certified.areas.chart import AreaVerdict, ProvedChart, arrays_of
 from floquet.certified.areas.coefficients import Coefficients, coefficients_of
 from floquet.certified.areas.search import Found, Rectangle, search
 from floquet.certified.growth import certified_growth
@@ -77,21 +77,29 @@ def prove_chart(
     deadline = math.inf if seconds is None else time.monotonic() + real_number("seconds", seconds, positive=True)
     system = _same_everywhere(family, low, high)
     smallest = (least * (high - low), least * (top - bottom))
-    parts: list[PartArrays] = []
     constant = AreaVerdict.STABLE
+    excited: list[tuple[np.ndarray, Coefficients]] = []
     for coordinates in _subsystems(system):
         subsystem = _restricted(system, coordinates)
-        if not (subsystem.cosine.any() or subsystem.sine.any()):
-            found = certified_growth(subsystem, low, 0.0, progress=False)
-            verdict = AreaVerdict(found.verdict) if found.verdict != "undecided" else AreaVerdict.OPEN
-            constant = min(constant, verdict, key=(AreaVerdict.UNSTABLE, AreaVerdict.OPEN, AreaVerdict.STABLE).index)
+        if subsystem.cosine.any() or subsystem.sine.any():
+            excited.append((coordinates, coefficients_of(subsystem)))
             continue
-        equation = coefficients_of(subsystem)
-        pieces = [(equation, piece, smallest, deadline) for piece in _pieces(equation, low, high, bottom, top, n_jobs)]
-        label = f"proof of {subsystem.size} coordinates"
-        with tqdm(total=len(pieces), desc=label, unit="piece", leave=False, disable=not progress) as bar:
-            done: list[Found] = gather(search, pieces, n_jobs, bar)
-        parts.append(arrays_of(done, coordinates, equation.T1, equation.scale))
+        found = certified_growth(subsystem, low, 0.0, progress=False)
+        verdict = AreaVerdict(found.verdict) if found.verdict != "undecided" else AreaVerdict.OPEN
+        constant = min(constant, verdict, key=(AreaVerdict.UNSTABLE, AreaVerdict.OPEN, AreaVerdict.STABLE).index)
+    tasks = [
+        (number, (equation, piece, smallest, deadline))
+        for number, (_, equation) in enumerate(excited)
+        for piece in _pieces(equation, low, high, bottom, top, n_jobs)
+    ]
+    # from high to low frequencies, which take longer: what time allows is proved of all subsystems alike
+    tasks.sort(key=lambda task: task[1][1].low)
+    with tqdm(total=len(tasks), desc="proof of a chart", unit="piece", leave=False, disable=not progress) as bar:
+        done: list[Found] = gather(search, [arguments for _, arguments in tasks], n_jobs, bar)
+    parts = [
+        arrays_of([one for one, task in zip(done, tasks, strict=True) if task[0] == number], coordinates, equation)
+        for number, (coordinates, equation) in enumerate(excited)
+    ]
     return ProvedChart(system, (low, high), (bottom, top), tuple(parts), constant)
 
 
