@@ -117,6 +117,7 @@ def subsystem(arrays: dict[str, Array], i: int, matrices: dict[str, Any], window
                 sizes = [m for m in get["sizes"][k].flat if m]
                 cell(cut(P, least), get["basis"][k].mat(), sizes, listed, get["whole"][k], J, reversible)
     low, high, bottom, top = map(Fraction, window)
+    demand(0 < low < high and bottom < top, "the window is empty")
     demand(covered(boxes, 1 / high, 1 / low, bottom, top), "patches do not cover the window")
 
 

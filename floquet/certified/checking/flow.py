@@ -10,7 +10,7 @@ from flint import arb, arb_mat, fmpq
 from floquet.certified.checking.arithmetic import UNIT, Model, degrees, mul, rows_norm, size, total
 
 # Length of a step times the norm, angle of a harmonic in a step, order of a step.
-STEP, ANGLE, ORDER = 0.7, 0.7, 24
+STEP_SIZE, ANGLE, SERIES_ORDER = 0.7, 0.7, 24
 
 
 def monodromy(A: arb_mat, waves: list[tuple[int, bool, arb_mat]], quarter: bool, patch: list[float], d: int) -> Model:
@@ -19,7 +19,10 @@ def monodromy(A: arb_mat, waves: list[tuple[int, bool, arb_mat]], quarter: bool,
     a, f = rows_norm(A), [rows_norm(X) for _, _, X in waves]
     high = max((j for j, _, _ in waves), default=1)
     N = max(
-        2, math.ceil(2 * math.pi * max(float((l0 + h1) * (a + (abs(e0) + h2) * sum(f, arb(0)))) / STEP, high / ANGLE))
+        2,
+        math.ceil(
+            2 * math.pi * max(float((l0 + h1) * (a + (abs(e0) + h2) * sum(f, arb(0)))) / STEP_SIZE, high / ANGLE)
+        ),
     )
     k = 2 * arb.pi() / N
 
@@ -28,7 +31,7 @@ def monodromy(A: arb_mat, waves: list[tuple[int, bool, arb_mat]], quarter: bool,
 
     # the coefficients of X are at most those of exp k (l0 + h1 xi) (a s + (|e0| + h2 eta) phi(s))
     bounds = [
-        ((l0 + h1) * k * (a * rho + (abs(e0) + h2) * phi(arb(rho))) - ORDER * arb(rho).log()).exp() / (rho - 1)
+        ((l0 + h1) * k * (a * rho + (abs(e0) + h2) * phi(arb(rho))) - SERIES_ORDER * arb(rho).log()).exp() / (rho - 1)
         for rho in range(2, 30)
     ]
     time = min((one.upper() for one in bounds), key=float)
@@ -47,10 +50,13 @@ def monodromy(A: arb_mat, waves: list[tuple[int, bool, arb_mat]], quarter: bool,
         for j, is_sine, _ in waves:
             angle = fmpq(2 * j * m, N) + (fmpq(j, 2) if quarter else 0) - (fmpq(1, 2) if is_sine else 0)
             tables.append(
-                [(j * k) ** i / math.factorial(i) * arb.cos_pi_fmpq(angle + fmpq(i, 2)) for i in range(ORDER + 1)]
+                [
+                    (j * k) ** i / math.factorial(i) * arb.cos_pi_fmpq(angle + fmpq(i, 2))
+                    for i in range(SERIES_ORDER + 1)
+                ]
             )
         X = [[one] + [arb_mat(n, n)] * (size(d) - 1)]
-        for i in range(ORDER):
+        for i in range(SERIES_ORDER):
             Y = [A * Z for Z in X[i]]
             for (_, _, F), table in zip(waves, tables, strict=True):
                 for at, (t, kk) in enumerate(degrees(X[0])):
