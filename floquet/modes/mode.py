@@ -68,13 +68,13 @@ class FloquetMode:
         return float(ratio_of_damping(np.array(self.exponent)))
 
     def periodic(self, t: ArrayLike) -> ComplexArray:
-        """Return p at the times ``t``, shape (*t.shape, S); just after where something jumps."""
+        """Return p at the times ``t``, shape ``(*t.shape, S)``; just after where something jumps."""
         times = real_array("t", t, None)
         phases = times.ravel() * self.Omega / (2 * np.pi)
         return self._places.interpolated(self._values, phases).reshape(*times.shape, -1)
 
     def motion(self, t: ArrayLike) -> ComplexArray:
-        """Return x(t) = p(t) e^{lambda t}, shape (*t.shape, S); its real part is a motion of the system."""
+        """Return x(t) = p(t) e^{lambda t}, shape ``(*t.shape, S)``; its real part is a motion of the system."""
         times = real_array("t", t, None)
         return self.periodic(times) * np.exp(self.exponent * times)[..., None]
 
