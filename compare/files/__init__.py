@@ -37,6 +37,7 @@ from compare.files.cases import (
 from compare.files.matrices import load_system, save_system
 from compare.files.names import MATRIX_NAMES
 from compare.files.publish import staged
+from compare.files.python_file import python_function
 from compare.files.results import load, save
 from compare.files.spelling import did_you_mean
 
@@ -51,6 +52,7 @@ __all__ = [
     "load",
     "load_case",
     "load_system",
+    "python_function",
     "save",
     "save_system",
     "shipped_cases",

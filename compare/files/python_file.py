@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import runpy
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any, cast
 
 from periodic import AnyFamily, SparseSystem, any_member_at
 
@@ -21,15 +23,7 @@ def run_python_file(path: Path) -> AnyFamily | SparseSystem:
     ValueError
         If it cannot be read or executed, has no such function, the function fails, or returns no system or family.
     """
-    if not path.is_file():
-        raise ValueError(f"{path}: it is no file")
-    try:
-        made = runpy.run_path(str(path))
-    except (Exception, SystemExit) as error:
-        raise ValueError(f"{path}: cannot be executed ({_what(error)})") from error
-    function = made.get(FUNCTION)
-    if not callable(function):
-        raise ValueError(f"{path}: has no function {FUNCTION}(); define one that returns a PeriodicSystem")
+    function = python_function(path)
     try:
         found = function()
     except (Exception, SystemExit) as error:
@@ -42,6 +36,26 @@ def run_python_file(path: Path) -> AnyFamily | SparseSystem:
     except Exception as error:
         raise ValueError(f"{path}: {error}") from error
     return found
+
+
+def python_function(path: Path) -> Callable[..., Any]:
+    """Execute a file and return its function ``system``.
+
+    Raises
+    ------
+    ValueError
+        If it cannot be read or executed, or has no such function.
+    """
+    if not path.is_file():
+        raise ValueError(f"{path}: it is no file")
+    try:
+        made = runpy.run_path(str(path))
+    except (Exception, SystemExit) as error:
+        raise ValueError(f"{path}: cannot be executed ({_what(error)})") from error
+    function = made.get(FUNCTION)
+    if not callable(function):
+        raise ValueError(f"{path}: has no function {FUNCTION}(); define one that returns a PeriodicSystem")
+    return cast(Callable[..., Any], function)
 
 
 def _what(error: BaseException) -> str:

@@ -23,6 +23,7 @@ from compare.pictures.fields import animate
 from compare.pictures.layers import draw_curves, draw_growth, draw_traces, legend_handles
 from compare.pictures.overlays import overlay
 from compare.pictures.panels import Layer, region_panels, variant_panels
+from compare.pictures.planes import plane_picture
 from compare.pictures.schematic import draw_plate
 from compare.pictures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, STYLE, THEORY, Picture, new_figure
 from compare.pictures.verb import plot
@@ -48,6 +49,7 @@ __all__ = [
     "legend_handles",
     "new_figure",
     "overlay",
+    "plane_picture",
     "plot",
     "region_panels",
     "variant_panels",

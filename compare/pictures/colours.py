@@ -14,6 +14,8 @@ GROWTH_PART = (0.58, 1.0)
 GROWTH_SHADES = 256
 # What is neither stable nor unstable.
 UNDECIDED_GREY = "#bbbbbb"
+# Where there is no system.
+REFUSED_GREY = "#eeeeee"
 
 GROWTH_MAP = ListedColormap(mpl.colormaps["Blues"](np.linspace(*GROWTH_PART, GROWTH_SHADES)), name="growth")
 GROWTH_PALETTE = tuple(to_hex(colour) for colour in GROWTH_MAP(np.arange(GROWTH_SHADES)))

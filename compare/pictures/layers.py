@@ -9,24 +9,25 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from numpy.typing import NDArray
 
-from compare.pictures.colours import GROWTH_MAP, UNDECIDED_GREY
+from compare.pictures.colours import GROWTH_MAP, REFUSED_GREY, UNDECIDED_GREY
 from compare.pictures.style import EDGE_LINE_WIDTH, ORANGE, THEORY
-from floquet import BoundaryTrace, Kind, StabilityChart
+from floquet import BoundaryTrace, Kind, PlaneChart, StabilityChart
 from periodic.checks import FloatArray
 from perturb import TransitionCurve
 
 
 def draw_growth(
     axes: Axes,
-    chart: StabilityChart | None,
+    chart: StabilityChart | PlaneChart | None,
     *,
     colour_bar: bool = False,
     frequency: float = 1.0,
     rate: float = 1.0,
     rate_unit: str = "",
 ) -> None:
-    """Shade each cell by its growth rate: white where stable, grey where undecided.
+    """Shade each cell by its growth rate: white where stable, grey where undecided, light grey without a system.
 
     Frequencies and rates are drawn ``frequency`` and ``rate`` times as large, the latter with their unit.
     """
@@ -34,17 +35,24 @@ def draw_growth(
         return
     unstable = chart.kind > Kind.STABLE
     growth = np.ma.masked_where(~unstable, chart.growth_rate * rate)
-    Omega = chart.Omega * frequency
-    mesh = axes.pcolormesh(
-        Omega, chart.eps, growth, cmap=GROWTH_MAP, vmin=0, shading="nearest", rasterized=True, zorder=0
-    )
-    undecided = np.ma.masked_where(chart.kind != Kind.UNDECIDED, np.ones_like(chart.growth_rate))
-    grey = ListedColormap([UNDECIDED_GREY])
-    axes.pcolormesh(Omega, chart.eps, undecided, cmap=grey, shading="nearest", rasterized=True, zorder=0)
+    if isinstance(chart, PlaneChart):
+        x, y, undecided = chart.x, chart.y, (chart.kind == Kind.UNDECIDED) & ~chart.refused
+        paint(axes, x, y, chart.refused, REFUSED_GREY)
+    else:
+        x, y, undecided = chart.Omega * frequency, chart.eps, chart.kind == Kind.UNDECIDED
+    mesh = axes.pcolormesh(x, y, growth, cmap=GROWTH_MAP, vmin=0, shading="nearest", rasterized=True, zorder=0)
+    paint(axes, x, y, undecided, UNDECIDED_GREY)
     if colour_bar and unstable.any():
         bar = axes.figure.colorbar(mesh, ax=axes, pad=0.01, aspect=30)
         bar.set_label("growth rate  max log|μ| / T" + (f" ({rate_unit})" if rate_unit else ""))
         bar.outline.set_visible(False)
+
+
+def paint(axes: Axes, x: FloatArray, y: FloatArray, cells: NDArray[np.bool_], colour: str) -> None:
+    """Give cells one colour."""
+    if cells.any():
+        ones = np.ma.masked_where(~cells, np.ones(cells.shape))
+        axes.pcolormesh(x, y, ones, cmap=ListedColormap([colour]), shading="nearest", rasterized=True, zorder=0)
 
 
 def draw_traces(

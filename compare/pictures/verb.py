@@ -12,11 +12,12 @@ from matplotlib.axes import Axes
 from compare.pictures.answers import draw_regions, draw_response, draw_transient
 from compare.pictures.fields import draw_deflection, draw_stress, stress_figure
 from compare.pictures.layers import draw_curves, draw_growth, draw_traces
+from compare.pictures.planes import draw_boundaries, name_axes_of_plane
 from compare.pictures.schematic import draw_plate
 from compare.pictures.spectra import draw_campbell, draw_mode, draw_multipliers
 from compare.pictures.style import STYLE, Picture, new_figure
 from compare.pictures.units import Units, units_of
-from floquet import BoundaryTrace, Monodromy, Region, StabilityChart
+from floquet import BoundaryTrace, Monodromy, PlaneBoundary, PlaneChart, Region, StabilityChart
 from floquet.modes import FloquetMode, FloquetModes, ModeLine, Response, TransientGrowth
 from perturb import TransitionCurve
 from plate import MovingPlate, StressField
@@ -39,9 +40,9 @@ def plot(
     Parameters
     ----------
     x : object
-        A `StabilityChart`; a `Region`, `BoundaryTrace` or `TransitionCurve`, or a list of them; `Monodromy` or
-        `FloquetModes` (multipliers); `FloquetMode` (harmonics; with ``plate`` its deflection); `ModeLine` (Campbell
-        diagram); `Response`; `TransientGrowth`; `StressField`; `MovingPlate`.
+        A `StabilityChart` or `PlaneChart`; a `Region`, `BoundaryTrace`, `PlaneBoundary` or `TransitionCurve`, or a list
+        of them; `Monodromy` or `FloquetModes` (multipliers); `FloquetMode` (harmonics; with ``plate`` its deflection);
+        `ModeLine` (Campbell diagram); `Response`; `TransientGrowth`; `StressField`; `MovingPlate`.
     ax : matplotlib Axes, optional
         Where to draw. A stress field takes three.
     units : "Hz", "rpm", "rad/s" or a plate in SI units, optional
@@ -90,6 +91,8 @@ def _painter(
     """Return what draws ``x`` on axes, and the size of a figure of its own."""
     if isinstance(x, StabilityChart):
         return lambda ax: _chart(ax, x, units), (7.0, 4.2)
+    if isinstance(x, PlaneChart):
+        return lambda ax: _plane(ax, x), (7.0, 4.2)
     if isinstance(x, Monodromy | FloquetModes):
         return lambda ax: draw_multipliers(ax, x.multipliers), (4.6, 4.6)
     if isinstance(x, FloquetMode):
@@ -104,6 +107,8 @@ def _painter(
         return lambda ax: draw_transient(ax, x, units), (6.0, 3.6)
     several = list(x) if isinstance(x, Sequence) and not isinstance(x, str) else [x]
     if several:
+        if all(isinstance(one, PlaneBoundary) for one in several):
+            return lambda ax: draw_boundaries(ax, several), (7.0, 4.2)
         for kind in (Region, BoundaryTrace, TransitionCurve):
             if all(isinstance(one, kind) for one in several):
                 return lambda ax: _edges(ax, several, units), (7.0, 4.2)
@@ -119,6 +124,15 @@ def _chart(axes: Axes, chart: StabilityChart, units: Units) -> list[Any]:
     axes.set_xlim(chart.Omega[0] * units.frequency, chart.Omega[-1] * units.frequency)
     axes.set_ylim(chart.eps[0], chart.eps[-1])
     _name_axes(axes, units)
+    return list(axes.collections[before:])
+
+
+def _plane(axes: Axes, chart: PlaneChart) -> list[Any]:
+    before = len(axes.collections)
+    draw_growth(axes, chart, colour_bar=True)
+    axes.set_xlim(chart.x[0], chart.x[-1])
+    axes.set_ylim(chart.y[0], chart.y[-1])
+    name_axes_of_plane(axes, chart.names)
     return list(axes.collections[before:])
 
 

@@ -63,12 +63,12 @@ class TileStore:
         """Return where the tile of some batches is kept: systems, Omega and eps, as `floquet.engine.chart_batch` takes
         them."""
         digest = hashlib.sha256(code_version() + processor().encode())
-        _add(digest, np.array(steps))
+        add_array(digest, np.array(steps))
         for systems, Omega, eps in batches:
-            _add(digest, Omega)
-            _add(digest, eps)
+            add_array(digest, Omega)
+            add_array(digest, eps)
             for system, same in groupby(systems):  # most families have one system for all columns
-                _add(digest, np.array(len(list(same))))
+                add_array(digest, np.array(len(list(same))))
                 add_system(digest, system)
         return self.folder / f"{digest.hexdigest()}.tile"
 
@@ -142,12 +142,13 @@ def add_system(digest: hashlib._Hash, system: AnySystem) -> None:
     digest.update(type(system).__name__.encode())
     for name, array in vars(system).items():
         if name != "terms":
-            _add(digest, array)
+            add_array(digest, array)
     for term in system.terms:
         digest.update(repr((term.of, term.waveform, term.power)).encode())
-        _add(digest, term.matrix)
+        add_array(digest, term.matrix)
 
 
-def _add(digest: hashlib._Hash, array: FloatArray) -> None:
+def add_array(digest: hashlib._Hash, array: FloatArray) -> None:
+    """Add type, shape and entries of an array to a hash."""
     digest.update(f"{array.dtype.str}{array.shape}".encode())
     digest.update(np.ascontiguousarray(array).tobytes())

@@ -1,7 +1,8 @@
 """What the cells of a plane share: which of them are one column along eps, and which columns make a batch.
 
-Only what is really the same is shared: the same system, or one that is equal to the last bit; the same Omega; the same
-amplitudes. Nothing is assumed of how a system goes with the parameters of the plane.
+Only what is really the same is shared: the same system, or one that is equal but for the size of its excitation, which
+is an amplitude by another name; the same Omega; the same amplitudes. Nothing is assumed of how a system goes with the
+parameters of the plane.
 """
 
 from __future__ import annotations
@@ -14,12 +15,14 @@ from typing import NamedTuple, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from floquet.chart.checkpoint import add_system
+from floquet.chart.checkpoint import add_array, add_system
 from floquet.chart.filling import Batch, Task, task_columns
 from floquet.chart.point import Point
 from periodic import AnyFamily, FirstOrderSystem, PeriodicSystem
 from periodic.checks import FloatArray
 
+# Decimals to which excitations are compared, in units of their largest entry: their sizes differ by rounding.
+EXCITATION_DECIMALS = 13
 # Makes the point of the cell in a row and a column; None where there is no system.
 MakePoint = Callable[[int, int], Point | None]
 
@@ -86,7 +89,7 @@ def shared_lines(shape: tuple[int, int], make: MakePoint) -> Lines:
 def _shared(points: Sequence[Point | None]) -> int:
     """Return 2 if points are on one column along eps, 1 if they have one system, else 0."""
     there = [point for point in points if point is not None]
-    keys = {key_of(point.system) for point in there}
+    keys = {_shape_and_size(point.system)[0] for point in there}
     if len(there) < 2 or len(keys) > 1:
         return 0
     return 2 if len({point.Omega for point in there}) == 1 else 1
@@ -105,25 +108,45 @@ def key_of(system: AnyFamily) -> Hashable:
     return cast(Hashable, system)
 
 
+def _shape_and_size(system: AnyFamily) -> tuple[Hashable, float]:
+    """Return what systems have in common that differ only in the size of their excitation, and that size."""
+    if not isinstance(system, PeriodicSystem | FirstOrderSystem) or any(term.power != 1 for term in system.terms):
+        return key_of(system), 1.0
+    excited = [system.cosine, system.sine, *(term.matrix for term in system.terms)]
+    size = max((float(X.flat[np.abs(X).argmax()]) for X in excited), key=abs)
+    if size == 0:
+        return key_of(system), 1.0
+    digest = hashlib.sha256(repr([(term.of, term.waveform) for term in system.terms]).encode())
+    for name, array in vars(system).items():
+        if name not in ("cosine", "sine", "terms"):
+            add_array(digest, array)
+    for X in excited:
+        add_array(digest, np.round(X / size, EXCITATION_DECIMALS) + 0.0)  # one zero, not two
+    return (type(system), digest.digest()), size
+
+
 def columns(cells: Sequence[tuple[int, int]], width: int, make: MakePoint) -> list[Column]:
     """Return the columns along eps that some cells of a plane of ``width`` columns belong to."""
-    first: dict[Hashable, AnyFamily] = {}
+    first: dict[Hashable, tuple[AnyFamily, float]] = {}
     found: dict[tuple[Hashable, float], list[tuple[float, int]]] = {}
     last: AnyFamily | None = None
     key: Hashable = None
+    size = 1.0
     for i, j in cells:
         point = make(i, j)
         if point is None:
             continue
         if point.system is not last:
-            last, key = point.system, key_of(point.system)
-            first.setdefault(key, last)
-        found.setdefault((key, point.Omega), []).append((point.eps, i * width + j))
+            last = point.system
+            key, size = _shape_and_size(last)
+            first.setdefault(key, (last, size))
+        amplitude = point.eps * (size / first[key][1])
+        found.setdefault((key, point.Omega), []).append((amplitude, i * width + j))
     made = []
     for (key, Omega), members in found.items():
         amplitudes, places = zip(*members, strict=True)
         eps, rows = np.unique(np.array(amplitudes), return_inverse=True)
-        made.append(Column(first[key], Omega, eps, np.array(places, np.intp), rows.astype(np.intp)))
+        made.append(Column(first[key][0], Omega, eps, np.array(places, np.intp), rows.astype(np.intp)))
     return made
 
 

@@ -170,9 +170,9 @@ def plane_chart(
     -----
     ``make`` is called in the main process, about once for each cell. It may build what it needs anew every time, or
     keep what is dear to build, with `functools.cache` for example. What neighbouring cells share is found out, and
-    computed once: cells of one system, or of systems with equal matrices, at one Omega are one column along eps, as in
-    `stability_chart`. Planes that have such columns along one axis are as fast; with one amplitude for each system and
-    Omega a cell costs as much as a short column. See docs/planes.md.
+    computed once: cells of one system at one Omega are one column along eps, as in `stability_chart`, and so are cells
+    of systems that are equal but for the size of their excitation. Planes that have such columns along one axis are as
+    fast; with one amplitude for each system and Omega a cell costs as much as a short column. See docs/planes.md.
     """
     if not callable(make):
         raise ValueError(f"make = {make!r} cannot be called; give a function of two parameters that returns a Point")

@@ -51,10 +51,18 @@ def between(look: LookAlong, low: float, high: float) -> list[Crossing]:
     return [Crossing(leaving, start.kind, False), Crossing(entering, end.kind, True)]
 
 
+def around(look: LookAlong, low: float, inside: float, high: float) -> list[Crossing]:
+    """Return the two crossings of a region round ``inside`` between two stable places; none if that is stable."""
+    if look(inside).kind <= Kind.STABLE:
+        return []
+    return [_edge(look, low, inside), _edge(look, inside, high)]
+
+
 def within(look: LookAlong, places: Sequence[float], kind: Kind) -> list[Crossing]:
     """Return the two crossings of a region of ``kind`` between some places that are stable; none if there is none.
 
-    It is looked for where the function of its edge is lowest.
+    It is looked for where the function of its edge is lowest. That of many states has many low points, of which it is
+    found only by chance.
     """
     values = [look(at).of(kind) for at in places]
     for which in range(len(values[0])):
@@ -66,9 +74,8 @@ def within(look: LookAlong, places: Sequence[float], kind: Kind) -> list[Crossin
         if not value(bracket[0]) > value(bracket[1]) < value(bracket[2]):
             continue
         found = minimize_scalar(value, bracket=bracket, method="brent", options={"xtol": LOWEST_TOLERANCE})
-        inside = float(found.x)
-        if look(inside).kind > Kind.STABLE:
-            return [_edge(look, bracket[0], inside), _edge(look, inside, bracket[2])]
+        if crossings := around(look, bracket[0], float(found.x), bracket[2]):
+            return crossings
     return []
 
 

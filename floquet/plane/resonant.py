@@ -15,11 +15,15 @@ from periodic.checks import FloatArray
 
 
 class Resonant(NamedTuple):
-    """Cell number ``place`` of a row or column number ``line``: near it, or after it, a region of ``kind`` may be."""
+    """Where, in cells of the row or column number ``line``, a detuning is zero: ``at``, which is after cell ``place``.
+
+    A region of ``kind`` may be near there.
+    """
 
     line: int
     along_row: bool
     place: int
+    at: float
     kind: Kind
 
 
@@ -30,7 +34,6 @@ def resonant_lines(make: Callable[[float, float], Point], chart: PlaneChart, ord
     """
     omega, together = _frequencies(make, chart)
     n = omega.shape[2]
-    seen: set[Resonant] = set()
     for q, p in combinations_with_replacement(range(n), 2):
         for sign in (1, -1) if p != q else (1,):
             for j in range(1, orders + 1):
@@ -39,10 +42,8 @@ def resonant_lines(make: Callable[[float, float], Point], chart: PlaneChart, ord
                 detuning[(chart.eps == 0) | ~(together[:, :, p] == together[:, :, q])] = np.nan
                 for along_row, table in ((True, detuning), (False, detuning.T)):
                     for line, place in np.argwhere(table[:, 1:] * table[:, :-1] < 0).tolist():
-                        one = Resonant(line, along_row, place, kind)
-                        if one not in seen:
-                            seen.add(one)
-                            yield one
+                        before, after = table[line, place : place + 2]
+                        yield Resonant(line, along_row, place, place + float(before / (before - after)), kind)
 
 
 def _frequencies(make: Callable[[float, float], Point], chart: PlaneChart) -> tuple[FloatArray, FloatArray]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -18,16 +18,21 @@ from tqdm import tqdm
 from floquet.boundary import Resonance, natural_modes, resonances
 from floquet.chart import PlaneChart, Point
 from floquet.kind import Kind
-from floquet.plane.crossings import Crossing, between, within
+from floquet.plane.crossings import Crossing, around, between, within
 from floquet.plane.joining import Corner, joined, lines
 from floquet.plane.looking import Look, look
 from floquet.plane.resonant import Resonant, resonant_lines
+from periodic import PeriodicSystem
 from periodic.checks import FloatArray, one_of, whole_number
 
-# A corner is accepted so far outside the square that it is looked for in, in its sides.
-CORNER_REACH = 0.5
+# A corner is accepted so far from the box of the two crossings beside it, in cells: it is in the same square.
+CORNER_REACH = 1.0
 # Cells on both sides of a resonance that are looked at: its region moves with the square of the amplitude.
 CELLS_BESIDE = 2
+# States up to which a region is searched for beside the place of its resonance.
+MAX_SEARCHED_STATES = 8
+# Crossings of one line that are the same, in cells: two resonances may lead to one region.
+SAME_CROSSING = 1e-8
 # Relative accuracy to which a corner is found.
 CORNER_TOLERANCE = 1e-13
 # A boundary is named by a resonance that is no further, in Omega, from its points of lowest amplitude.
@@ -113,10 +118,11 @@ def trace_plane(
     analytic at the edge is taken to zero by Brent's method, to 1e-10 of their distance. Where none changes its sign, as
     at a tip on the line itself, the verdict is halved, which sees growth by a factor of exp(1e-6) in one period of a
     conservative system. Between two cells that are unstable in different ways a stable gap is looked for likewise.
-    Undecided cells count as stable: they lie on a boundary. What is narrower than a cell is found where a detuning at
-    eps = 0 changes its sign between two cells, or within two cells beside; what has moved further with the amplitude is
-    not found. Corners, where boundaries of different kinds cross, are solved for both at once. Lines end at refused
-    cells and at the border of the chart.
+    Undecided cells count as stable: they lie on a boundary. What is narrower than a cell is found where it contains the
+    place, between two stable cells, at which a detuning without excitation is zero; of systems of up to eight states
+    also if it is within two cells beside. What has moved further with the amplitude is not found. Corners, where
+    boundaries of different kinds cross, are solved for both at once. Lines end at refused cells and at the border of
+    the chart.
     """
     if not isinstance(chart, PlaneChart):
         raise ValueError(f"chart = {chart!r} is no chart of a plane; give what plane_chart returns")
@@ -139,6 +145,7 @@ class _Tracer:
     def __init__(self, make: Callable[[float, float], Point], chart: PlaneChart) -> None:
         self.make, self.chart = make, chart
         self.crossings: dict[tuple[int, int, bool], list[Crossing]] = {}
+        self.narrow: dict[tuple[int, bool], list[float]] = defaultdict(list)
         self.looks: dict[tuple[float, float], Look] = {}
 
     def look(self, x: float, y: float) -> Look:
@@ -180,15 +187,26 @@ class _Tracer:
             return self.look(*(self.place(line, position) if along_row else self.place(position, line)))
 
         try:
-            found = within(at, [float(p) for p in places], kind)
+            found = around(at, resonant.place, resonant.at, resonant.place + 1.0)
+            if not found and self.states(line, places[0], along_row) <= MAX_SEARCHED_STATES:
+                found = within(at, [float(p) for p in places], kind)
         except ValueError:  # there is no system in between, or it cannot be integrated
             return
+        for crossing in found:
+            if any(abs(crossing.at - other) <= SAME_CROSSING for other in self.narrow[line, along_row]):
+                return
+        self.narrow[line, along_row] += [crossing.at for crossing in found]
         for crossing in found:
             side = int(np.floor(crossing.at))
             key = (line, side, True) if along_row else (side, line, False)
             here = self.crossings.setdefault(key, [])
             here.append(crossing._replace(at=crossing.at - side))
             here.sort()
+
+    def states(self, line: int, place: int, along_row: bool) -> int:
+        """Return the number of states of the system in a cell of a row or column."""
+        member = self.make(*self.place(*((line, place) if along_row else (place, line)))).member
+        return member.size * (2 if isinstance(member, PeriodicSystem) else 1)
 
     def _between(self, side: tuple[int, int, bool]) -> None:
         """Find the crossings of a side between two cells of different kinds."""

@@ -13,7 +13,7 @@ from scipy.special import mathieu_a, mathieu_b
 
 from floquet import Kind, PlaneChart, Point, monodromy, plane_chart, stability_chart
 from floquet.chart import filling
-from periodic import AnySystem, FirstOrderSystem, PeriodicSystem, waveforms
+from periodic import AnySystem, FirstOrderSystem, PeriodicSystem, Term, waveforms
 from periodic.checks import FloatArray
 from periodic.examples import blade_flap, mathieu, quadrupole_trap
 from plate import MovingPlate
@@ -157,6 +157,14 @@ def test_equal_systems_are_computed_together(monkeypatch: pytest.MonkeyPatch) ->
     plane(lambda a, q: Point(mathieu(a), 2.0, q), ("a", [0.5, 1.0]), ("q", [0.0, 0.1, 0.2]))
     assert sorted(calls) == [(1, 3), (1, 3)]  # columns along eps
     calls.clear()
+    # the amplitude in the matrices, and no excitation at all
+    plane(
+        lambda a, q: Point(PeriodicSystem([[1]], stiffness=[[a]], cosine=[[q]]), 2.0, 1.0),
+        ("a", [0.5, 1.0]),
+        ("q", [0.0, 0.1, 0.2]),
+    )
+    assert sorted(calls) == [(1, 1), (1, 1), (1, 2), (1, 2)]
+    calls.clear()
     plane(lambda a, w: Point(mathieu(a), w, 0.1), ("a", [0.5, 1.0]), ("Omega", [1.0, 1.1, 2.0]))
     assert sorted(calls) == [(3, 1), (3, 1)]  # one amplitude at many frequencies
     calls.clear()
@@ -175,6 +183,20 @@ def test_cells_that_share_nothing() -> None:
     assert every_cell_agrees(make, chart)
     assert chart.Omega[2, 3] == pytest.approx(1.0 + 0.63 + 0.52)
     assert chart.eps[2, 3] == pytest.approx(0.42)
+
+
+def test_excitations_that_differ_in_size() -> None:
+    """The amplitude may be a part of the matrices, with terms and negative factors, too."""
+    one = random_system(6, 2, 1, damping=0.1)
+
+    def make(size: float, damping: float) -> Point:
+        terms = [Term("damping", 0.3 * size * np.eye(2), waveforms.sine(2))]
+        damped = one.damping + damping * np.eye(2)
+        return Point(
+            PeriodicSystem(one.mass, one.gyroscopic, damped, one.stiffness, size * one.cosine, terms=terms), 1.3, 0.7
+        )
+
+    assert every_cell_agrees(make, plane(make, ("size", [-0.9, -0.1, 0.0, 0.3, 1.1]), ("damping", [0.0, 0.1])))
 
 
 def test_one_point_many_times() -> None:
