@@ -40,6 +40,7 @@ from plate.dynamic import InPlaneGrowthWarning, InPlaneResonanceWarning
 from plate.inplane import InPlaneFrequencies, StressField
 from plate.loads import WAVEFORMS, EdgeLoad
 from plate.moving_plate import MovingPlate
+from plate.si import SoftMaterialWarning
 from plate.terms import Terms
 from plate.transverse import deflection
 
@@ -51,6 +52,7 @@ __all__ = [
     "InPlaneGrowthWarning",
     "InPlaneResonanceWarning",
     "MovingPlate",
+    "SoftMaterialWarning",
     "StressField",
     "Terms",
     "deflection",

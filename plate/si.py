@@ -3,14 +3,24 @@
 from __future__ import annotations
 
 import math
+import warnings
 from dataclasses import dataclass
 
 from periodic.checks import real_number
+
+# Rubber has a thousand times as much. A smaller modulus was probably given in GPa or MPa.
+SOFTEST_MODULUS = 1e4
+
+
+class SoftMaterialWarning(UserWarning):
+    """A modulus so small that it was probably given in another unit."""
 
 
 @dataclass(frozen=True)
 class SIProperties:
     """What a dimensionless plate does not know about itself: its width and material in SI units.
+
+    Warns with `SoftMaterialWarning` of a modulus that was probably not given in Pa.
 
     Parameters
     ----------
@@ -34,6 +44,12 @@ class SIProperties:
     def __post_init__(self) -> None:
         for name in ("width", "density", "youngs_modulus"):
             object.__setattr__(self, name, real_number(name, getattr(self, name), positive=True))
+        if self.youngs_modulus < SOFTEST_MODULUS:
+            warnings.warn(
+                f"youngs_modulus = {self.youngs_modulus!r} Pa is that of a jelly; give it in Pa: steel has 206e9",
+                SoftMaterialWarning,
+                stacklevel=3,
+            )
 
     def units(self, thickness_ratio: float, nu: float) -> tuple[float, float]:
         """Return the units of time, sqrt(rho h b^4 / D) in s, and of tension, D / b^2 in N/m, of eq. (12)."""

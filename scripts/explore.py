@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import re
 import sys
 from collections.abc import Callable
@@ -38,6 +39,7 @@ try:
     from floquet_scripts.compiling import announce_compilation
     from periodic import AnyFamily, SystemFamily, stiffness_alone
     from periodic.checks import one_of
+    from plate import MovingPlate
 except ModuleNotFoundError as error:
     if __name__ != "__main__":
         raise
@@ -92,6 +94,12 @@ class Target:
     def family(self) -> AnyFamily:
         return self.source.build() if isinstance(self.source, Plate) else self.source
 
+    @property
+    def units(self) -> MovingPlate | None:
+        """The plate whose SI units the pictures are in, if it has any."""
+        family = self.family
+        return family if isinstance(family, MovingPlate) and family.si is not None else None
+
 
 @dataclass(frozen=True, eq=False)
 class PlaneTarget:
@@ -139,7 +147,13 @@ def _parser() -> argparse.ArgumentParser:
     what.add_argument("--plane", choices=tuple(KNOWN_PLANES), help="a system that is known over two parameters")
     parser.add_argument("--variant", metavar="LABEL", help="one of a case that has several; the first if not given")
     window = parser.add_argument_group("where")
-    window.add_argument("--Omega", type=float, nargs=2, metavar=("LOW", "HIGH"), help="excitation frequencies")
+    window.add_argument(
+        "--Omega",
+        type=float,
+        nargs=2,
+        metavar=("LOW", "HIGH"),
+        help="excitation frequencies (of a plate in SI units: in Hz)",
+    )
     window.add_argument(
         "--eps", type=float, metavar="MAX", help="largest amplitude; with --sweep, the one at which widths are compared"
     )
@@ -200,7 +214,7 @@ def _target(options: argparse.Namespace) -> Target:
             print(f"this is the variant {label!r}; --variant also takes {others}")
         title = ", ".join(filter(None, (case.title, label)))
         name = re.sub(r"[^\w.]+", "-", f"{case.name} {label}".strip())
-        window, eps, points = case.chart.Omega, case.chart.eps, case.chart.points
+        window, eps, points = case.window, case.chart.eps, case.chart.points
         target = Target(name, title, table, window, eps, points, case.regions)
     elif options.system:
         own = own_system(options.system, options.Omega, options.eps, all_modes=options.all_modes)
@@ -210,8 +224,9 @@ def _target(options: argparse.Namespace) -> Target:
     else:
         window, eps = default_window(Plate().build().at(0.0))
         target = Target(STANDARD_NAME, STANDARD_TITLE, Plate(), window, eps, regions=STANDARD_REGIONS)
+    scale = 1.0 if target.units is None else 2 * math.pi / target.units.frequency_unit  # given in Hz
     given = {
-        "window": options.Omega and tuple(options.Omega),
+        "window": options.Omega and tuple(scale * frequency for frequency in options.Omega),
         "eps": options.eps,
         "points": options.points and tuple(options.points),
     }
@@ -272,7 +287,7 @@ def _charted(target: Target, options: argparse.Namespace, store: TileStore) -> C
     )
     remarks = " ".join(filter(None, (result.audit, result.remark)))
     print(remarks)
-    for line in region_lines(result.regions, target.eps, f"{target.name}-regions.json"):
+    for line in region_lines(result.regions, target.eps, f"{target.name}-regions.json", target.units):
         print(f"  {line}")
     page = ""
     if bokeh is not None:
@@ -284,7 +299,7 @@ def _charted(target: Target, options: argparse.Namespace, store: TileStore) -> C
         page = view.html(points)
 
     def write(folder: Path) -> None:
-        result.write(folder, target.name, netcdf=options.netcdf)
+        result.write(folder, target.name, netcdf=options.netcdf, units=target.units)
         if page:
             (folder / f"{target.name}.html").write_text(page, encoding="utf-8")
 

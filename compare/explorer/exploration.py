@@ -70,16 +70,18 @@ class Exploration:
         """What the chart's audit found, in a sentence."""
         return audit_sentence(self.chart.audit)
 
-    def write(self, folder: Path, name: str, *, netcdf: bool = False) -> None:
+    def write(self, folder: Path, name: str, *, netcdf: bool = False, units: Any = None) -> None:
         """Write ``name``-chart.png, -overlay.png and .pdf, -regions.json and ``name``.npz; with ``netcdf`` ``name``.nc.
+
+        The axes of the pictures are in ``units`` (as `compare.plot` takes them), the data as they are.
 
         Raises
         ------
         ValueError
             If ``netcdf`` is asked for without the package xarray.
         """
-        overlay(self.chart, [], title=self.title).savefig(folder / f"{name}-chart.png")
-        figure = overlay(self.chart, self.curves, title=self.title)
+        overlay(self.chart, [], title=self.title, units=units).savefig(folder / f"{name}-chart.png")
+        figure = overlay(self.chart, self.curves, title=self.title, units=units)
         draw_outlines(figure, self.chart, self.regions)
         for suffix in ("png", "pdf"):
             figure.savefig(folder / f"{name}-overlay.{suffix}")

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import ceil, log10
+from typing import Any
 
 from compare.explorer.outlines import WIDTH_LEVELS
+from compare.pictures.units import Units, units_of
 from floquet import Region
 from floquet.boundary import Resonance
 from floquet.regions import largest_width
@@ -18,7 +20,7 @@ MAX_RESONANCE_NAMES = 3
 TIP_RESOLUTION = 1e-4
 
 
-def region_lines(regions: Sequence[Region], eps_max: float, file: str) -> list[str]:
+def region_lines(regions: Sequence[Region], eps_max: float, file: str, units: Any = None) -> list[str]:
     """Return a line for each of the widest regions, in the order of ``regions``, and a last one that counts the others.
 
     Parameters
@@ -29,17 +31,21 @@ def region_lines(regions: Sequence[Region], eps_max: float, file: str) -> list[s
         Height of the window in which they were traced.
     file : str
         Name of the file that holds all of them.
+    units : optional
+        Of frequencies, as `compare.plot` takes them.
     """
+    scale = units_of(units)
     widths = [largest_width(region.outlines, WIDTH_LEVELS) for region in regions]
     widest = sorted(range(len(regions)), key=lambda i: -widths[i])
     shown, rest = sorted(widest[:MAX_REGION_LINES]), widest[MAX_REGION_LINES:]
     names = [_name(regions[i]) for i in shown]
     column = max(map(len, names), default=0)
     lines = [
-        f"{name:<{column}}  {_place(regions[i], widths[i], eps_max)}" for i, name in zip(shown, names, strict=True)
+        f"{name:<{column}}  {_place(regions[i], widths[i], eps_max, scale)}"
+        for i, name in zip(shown, names, strict=True)
     ]
     if rest:
-        lines.append(f"and {len(rest)} narrower ones, at most {widths[rest[0]]:.2g} wide; all are in {file}")
+        lines.append(f"and {len(rest)} narrower ones, at most {widest_left} wide; all are in {file}")
     return lines
 
 
@@ -53,9 +59,14 @@ def _name(region: Region) -> str:
     return ", ".join(names[:MAX_RESONANCE_NAMES]) + more or "unexplained"
 
 
-def _place(region: Region, width: float, eps_max: float) -> str:
+def _place(region: Region, width: float, eps_max: float, scale: Units) -> str:
     Omega, eps = region.tip
     eps = round(eps, ceil(-log10(TIP_RESOLUTION * eps_max)))
     if eps == 0 and len(region.resonances) > 1:  # it starts at each of its resonances; the first one is named
         Omega = _by_order(region)[0].centre
-    return f"from Ω = {Omega:.5g}, ε = {eps:.3g}, up to {width:.2g} wide"
+    start = f"{Omega * scale.frequency:.5g}{_unit(scale)}"
+    return f"from Ω = {start}, ε = {eps:.3g}, up to {width * scale.frequency:.2g}{_unit(scale)} wide"
+
+
+def _unit(scale: Units) -> str:
+    return f" {scale.frequency_unit}" if scale.frequency_unit else ""

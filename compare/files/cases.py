@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import tomllib
 from importlib.resources import files
 from pathlib import Path
@@ -11,6 +12,7 @@ from typing import Annotated, Any, Literal, TypeVar
 from pydantic import BaseModel, ConfigDict, Field, PositiveInt, ValidationError, model_validator
 
 from beam import MovingBeam
+from compare.files.quantities import SI_KEYS, plate_in_si, si_properties
 from compare.files.spelling import did_you_mean
 from plate import EdgeLoad, MovingPlate
 
@@ -55,12 +57,27 @@ class Load(_Table):
 
 
 class Plate(_Table):
-    """The arguments of `plate.MovingPlate`; what is left out keeps that class's default."""
+    """The arguments of `plate.MovingPlate`, or SI properties; what is left out keeps that class's default."""
 
+    length: str | None = None
+    width: str | None = None
+    thickness: str | None = None
+    density: str | None = None
+    areal_density: str | None = None
+    youngs_modulus: str | None = None
+    length_m: FiniteFloat | None = None
+    width_m: FiniteFloat | None = None
+    thickness_m: FiniteFloat | None = None
+    density_kg_per_m3: FiniteFloat | None = None
+    areal_density_kg_per_m2: FiniteFloat | None = None
+    youngs_modulus_Pa: FiniteFloat | None = None
+    speed_m_per_s: FiniteFloat | None = None
+    tension_N_per_m: FiniteFloat | None = None
+    damping_s: FiniteFloat | None = None
     aspect_ratio: FiniteFloat | None = None
-    speed: FiniteFloat | None = None
-    tension: FiniteFloat | None = None
-    damping: FiniteFloat | None = None
+    speed: FiniteFloat | str | None = None
+    tension: FiniteFloat | str | None = None
+    damping: FiniteFloat | str | None = None
     poisson_ratio: FiniteFloat | None = None
     thickness_ratio: FiniteFloat | None = None
     inplane: Literal["membrane", "static", "dynamic"] | None = None
@@ -75,7 +92,12 @@ class Plate(_Table):
     def build(self) -> MovingPlate:
         """Return the plate. Raises ValueError as `plate.MovingPlate` does."""
         given: dict[str, Any] = self.model_dump(exclude_none=True, exclude={"load"})
-        return MovingPlate(**given, load=self.load.build())
+        properties = si_properties(given)
+        if not properties:
+            return MovingPlate(**given, load=self.load.build())
+        keys = {*SI_KEYS, *(key for key, _ in SI_KEYS.values())}
+        others = {"poisson_ratio": MovingPlate.poisson_ratio} | {k: v for k, v in given.items() if k not in keys}
+        return plate_in_si(properties, others | {"load": self.load.build()})
 
 
 class Beam(_Table):
@@ -99,13 +121,17 @@ class Chart(_Table):
     """Window and resolution of the wide chart."""
 
     Omega: tuple[FiniteFloat, FiniteFloat] = (5.0, 90.0)
+    Omega_Hz: tuple[FiniteFloat, FiniteFloat] | None = None
     eps: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 0.4
     points: tuple[Points, Points] = (256, 128)
 
     @model_validator(mode="after")
     def _ordered(self) -> Chart:
-        if not 0 < self.Omega[0] < self.Omega[1]:
-            raise ValueError(f"Omega = {list(self.Omega)} is no window; give 0 < low < high")
+        name, window = ("Omega", self.Omega) if self.Omega_Hz is None else ("Omega_Hz", self.Omega_Hz)
+        if not 0 < window[0] < window[1]:
+            raise ValueError(f"{name} = {list(window)} is no window; give 0 < low < high")
+        if self.Omega_Hz is not None and "Omega" in self.model_fields_set:
+            raise ValueError("Omega and Omega_Hz say the same; keep one")
         return self
 
 
@@ -168,6 +194,28 @@ class Case(_Table):
             raise ValueError(f"{what} is about plates, and the case {self.name!r} is about a beam; give a plate's case")
         return {label: system for label, system in self.systems().items() if isinstance(system, MovingPlate)}
 
+    @property
+    def units(self) -> MovingPlate | None:
+        """The plate whose SI units the results are in; None if the case is dimensionless."""
+        first = next(iter(self.systems().values()))
+        return first if isinstance(first, MovingPlate) and first.si is not None else None
+
+    @property
+    def window(self) -> tuple[float, float]:
+        """Excitation frequencies of the chart, in the units of the system's matrices.
+
+        Raises
+        ------
+        ValueError
+            If they are given in Hz and the plate is not in SI units.
+        """
+        if self.chart.Omega_Hz is None:
+            return self.chart.Omega
+        if self.units is None:
+            raise ValueError("[chart] Omega_Hz needs a plate in SI units; give its length_m and so on, or Omega")
+        low, high = (2 * math.pi * frequency / self.units.frequency_unit for frequency in self.chart.Omega_Hz)
+        return low, high
+
     def _system(self, variant: Variant) -> MovingPlate | MovingBeam:
         model = "plate" if self.beam is None else "beam"
         changes: dict[str, Any] = getattr(variant, model)
@@ -223,7 +271,7 @@ def load_case(path: str | Path) -> Case:
         raise ValueError(f"{path}: not a TOML file: {error}") from None
     try:
         case = _strictly(Case, {"name": path.stem} | data)
-        case.systems()
+        _ = case.systems(), case.window
     except ValidationError as error:
         raise ValueError(_explain(error, str(path), Case)) from None
     except ValueError as error:

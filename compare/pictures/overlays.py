@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -11,6 +12,7 @@ from compare.pictures.answers import draw_regions
 from compare.pictures.labels import is_visible, label_regions
 from compare.pictures.layers import draw_curves, draw_growth, draw_traces, legend_handles
 from compare.pictures.style import STYLE, Picture, new_figure
+from compare.pictures.units import show_frequency, units_of
 from floquet import BoundaryTrace, Region, StabilityChart
 from perturb import TransitionCurve
 
@@ -22,6 +24,7 @@ def overlay(
     *,
     title: str = "",
     size: tuple[float, float] = (9.0, 4.8),
+    units: Any = None,
 ) -> Picture:
     """Draw a stability chart, the traced boundaries and the analytic transition curves in one picture.
 
@@ -37,6 +40,8 @@ def overlay(
         Heading.
     size : (float, float)
         Width and height in inches.
+    units : "Hz", "rpm", "rad/s" or a plate in SI units, optional
+        Of the excitation frequency on the axis and of growth rates, as `compare.plot` takes them.
 
     Returns
     -------
@@ -60,14 +65,15 @@ def overlay(
         if chart is not None:
             axes.set_xlim(chart.Omega[0], chart.Omega[-1])
         axes.set_ylim(0, eps[-1])
-        draw_growth(axes, chart, colour_bar=True)
+        scale = units_of(units)
+        draw_growth(axes, chart, colour_bar=True, rate=scale.rate, rate_unit=scale.rate_unit)
         draw_traces(axes, edges)
         traced = {trace.near for trace in edges if trace.is_open.any()}
         shown = [curve for curve in curves if curve.centre in traced or is_visible(axes, curve, eps[-1])]
         draw_curves(axes, shown, eps[-1])
         draw_regions(axes, regions, names=not shown)
         label_regions(figure, axes, shown, eps[-1], first=traced)
-        axes.set_xlabel("excitation frequency Ω")
+        show_frequency(axes, units)
         axes.set_ylabel("amplitude ε")
         axes.set_title(title, loc="left", pad=30)
         handles = legend_handles(chart, traced=bool(traces), theory=bool(shown))

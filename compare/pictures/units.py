@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
 
 # Multiples of an angular frequency in rad/s.
 FREQUENCY_UNITS = {"rad/s": 1.0, "Hz": 1 / (2 * np.pi), "rpm": 60 / (2 * np.pi)}
@@ -50,3 +52,15 @@ def units_of(units: Any) -> Units:
         rate = units.frequency_unit  # raises where the plate has no SI units
         return Units(rate / (2 * np.pi), rate, 1 / rate, units.tension_unit, "Hz", "1/s", "s", "N/m")
     raise ValueError(f"units = {units!r} is not known; give 'Hz', 'rpm', 'rad/s', or a plate made by from_si")
+
+
+def show_frequency(axes: Axes, units: Any) -> None:
+    """Label the horizontal axis of a finished picture, whose numbers stay as they are, in other units of frequency."""
+    scale = units_of(units)
+    axes.set_xlabel(scale.label("excitation frequency" + ("" if scale.frequency_unit else " Ω"), "frequency"))
+    if scale.frequency == 1:
+        return
+    low, high = axes.get_xlim()
+    places = MaxNLocator(steps=[1, 2, 2.5, 5, 10]).tick_values(low * scale.frequency, high * scale.frequency)
+    inside = [place for place in places if low * scale.frequency <= place <= high * scale.frequency]
+    axes.set_xticks([place / scale.frequency for place in inside], [f"{place:.6g}" for place in inside])

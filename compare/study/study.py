@@ -59,6 +59,8 @@ class Subject:
         Whether pictures show the systems in one panel for each region, or in a panel each.
     remark : str
         What the reader has to know besides.
+    units : optional
+        Of the frequencies in pictures, as `compare.plot` takes them.
     """
 
     name: str
@@ -71,6 +73,7 @@ class Subject:
     pairs: Sequence[tuple[int, int]] | None = None
     compare: Literal["within", "beside"] = "within"
     remark: str = ""
+    units: Any = None
 
     @classmethod
     def of_case(cls, case: Case) -> Subject:
@@ -78,7 +81,16 @@ class Subject:
         chart, modes = case.chart, max(max(pair) for pair in case.regions)
         systems, pairs = case.systems(), case.regions
         return cls(
-            case.name, case.title, systems, chart.Omega, chart.eps, chart.points, modes, pairs, compare=case.compare
+            case.name,
+            case.title,
+            systems,
+            case.window,
+            chart.eps,
+            chart.points,
+            modes,
+            pairs,
+            compare=case.compare,
+            units=case.units,
         )
 
     def selected(self, curves: Sequence[TransitionCurve]) -> list[TransitionCurve]:
@@ -181,7 +193,7 @@ class Study:
         for variant, name in zip(self.variants, self.chart_names, strict=True):
             title = "\n".join(filter(None, (self.subject.title, variant.label)))
             traces = [trace for _, trace in variant.panels]
-            pictures[name] = overlay(variant.chart, variant.curves, traces, title=title)
+            pictures[name] = overlay(variant.chart, variant.curves, traces, title=title, units=self.subject.units)
         return pictures
 
 
