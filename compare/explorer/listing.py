@@ -45,6 +45,7 @@ def region_lines(regions: Sequence[Region], eps_max: float, file: str, units: An
         for i, name in zip(shown, names, strict=True)
     ]
     if rest:
+        widest_left = f"{widths[rest[0]] * scale.frequency:.2g}{_unit(scale)}"
         lines.append(f"and {len(rest)} narrower ones, at most {widest_left} wide; all are in {file}")
     return lines
 

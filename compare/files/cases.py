@@ -9,7 +9,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, PositiveInt, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, PlainValidator, PositiveInt, ValidationError, model_validator
 
 from beam import MovingBeam
 from compare.files.quantities import SI_KEYS, plate_in_si, si_properties
@@ -18,6 +18,18 @@ from plate import EdgeLoad, MovingPlate
 
 _T = TypeVar("_T", bound=BaseModel)
 FiniteFloat = Annotated[float, Field(allow_inf_nan=False)]
+
+
+def _amount(value: Any) -> float | str | None:
+    if value is None or isinstance(value, str):
+        return value
+    if isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value):
+        return float(value)
+    raise ValueError("give a finite number, or a text with a unit")
+
+
+# Dimensionless as a number, or a text with any unit.
+Amount = Annotated[Any, PlainValidator(_amount)]
 # Columns or rows of a chart. More than any screen has; a slip of the pen does not fill the memory.
 MAX_CHART_POINTS = 10_000
 Points = Annotated[int, Field(ge=2, le=MAX_CHART_POINTS)]
@@ -75,9 +87,9 @@ class Plate(_Table):
     tension_N_per_m: FiniteFloat | None = None
     damping_s: FiniteFloat | None = None
     aspect_ratio: FiniteFloat | None = None
-    speed: FiniteFloat | str | None = None
-    tension: FiniteFloat | str | None = None
-    damping: FiniteFloat | str | None = None
+    speed: Amount = None
+    tension: Amount = None
+    damping: Amount = None
     poisson_ratio: FiniteFloat | None = None
     thickness_ratio: FiniteFloat | None = None
     inplane: Literal["membrane", "static", "dynamic"] | None = None

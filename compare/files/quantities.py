@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
 from typing import Any
 
 from plate import MovingPlate
@@ -74,16 +75,24 @@ def in_unit(name: str, text: str, unit: str) -> float:
         If pint is not installed, or the text is no quantity of that dimension.
     """
     try:
-        import pint
+        registry = _registry()
     except ImportError:
         raise ValueError(
             f"{name} = {text!r} has a unit, which needs pint: pip install 'floquet-charts[units]'; "
             f"or give {_key(name)} as a number"
         ) from None
     try:
-        return float(pint.UnitRegistry()(text).to(unit).magnitude)
+        return float(registry(text).to(unit).magnitude)
     except Exception as error:  # pint raises errors of many types for what it cannot read
         raise ValueError(f"{name} = {text!r} is no quantity in {unit} ({error}); give one") from None
+
+
+@cache
+def _registry() -> Any:
+    """Return pint's table of units, which takes half a second to make."""
+    import pint
+
+    return pint.UnitRegistry()
 
 
 def _key(name: str) -> str:

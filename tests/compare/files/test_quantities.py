@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from compare.files import Case, load_case
+from compare.files.quantities import _registry
 from compare.pictures import overlay
 from floquet import stability_chart
 from periodic.examples import mathieu
@@ -85,6 +86,7 @@ def test_hertz_need_a_plate_in_si_units(tmp_path: Path) -> None:
 
 def test_without_pint_a_text_is_answered(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pint", None)
+    _registry.cache_clear()
     with pytest.raises(ValueError, match=r"needs pint: .* or give length_m as a number"):
         case(tmp_path, WEB.replace("length_m = 0.1", 'length = "10 cm"'))
 
