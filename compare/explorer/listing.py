@@ -7,7 +7,7 @@ from math import ceil, log10
 from typing import Any
 
 from compare.explorer.outlines import WIDTH_LEVELS
-from compare.pictures.units import Units, units_of
+from compare.pictures import Units, units_of
 from floquet import Region
 from floquet.boundary import Resonance
 from floquet.regions import largest_width

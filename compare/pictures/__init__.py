@@ -26,6 +26,7 @@ from compare.pictures.panels import Layer, region_panels, variant_panels
 from compare.pictures.planes import plane_picture
 from compare.pictures.schematic import draw_plate
 from compare.pictures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, STYLE, THEORY, Picture, new_figure
+from compare.pictures.units import Units, units_of
 from compare.pictures.verb import plot
 
 __all__ = [
@@ -41,6 +42,7 @@ __all__ = [
     "UNDECIDED_GREY",
     "Layer",
     "Picture",
+    "Units",
     "animate",
     "draw_curves",
     "draw_growth",
@@ -52,5 +54,6 @@ __all__ = [
     "plane_picture",
     "plot",
     "region_panels",
+    "units_of",
     "variant_panels",
 ]
