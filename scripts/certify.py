@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prove whether one point (Omega, eps) of a stability chart is stable or unstable, and bound its growth rate."""
+"""Prove whether points (Omega, eps) of a stability chart, or all points of a window, are stable or unstable."""
 
 from __future__ import annotations
 
@@ -49,6 +49,8 @@ examples:
   {command} --case fig2 --terms 3,2 --at 18.6,0.3
   {command} --system mine.npz --at 4.2,0.1
   {command} --system mine.py --at 4.2,0.1
+  {command} --example mathieu --window 0.8:3 0:0.6 --output mathieu-proved
+  {command} --case fig2 --terms 2,3 --window 40:90 0:1 --seconds 60 --output plate-proved
 
 The verdict is a theorem about the ordinary differential equations with exactly these coefficients: the matrices and
 waveforms as float64 numbers, Omega and eps as the float64 numbers next to the decimals given. It comes from ball
@@ -63,6 +65,11 @@ A plate of --case is proved with all terms that the case gives it. That takes se
 and with a lower Omega. --terms takes other terms; fewer terms are another plate, whose boundaries lie elsewhere, and
 every line then names them.
 
+--window proves the whole chart of a system with periodic stiffness alone, matrices that are the same at all
+frequencies: every point of it, but for strips along the edges that are thinner than a picture can show, and what
+--seconds left. The number printed is a proved lower bound. --output NAME writes the certificate, NAME.npz, and a
+picture, NAME.png; `python -m floquet.certified.checking NAME.npz` checks the certificate by other code.
+
 The exit status is 0 if every point was decided, 1 if one was not, 2 if the input is wrong or python-flint is missing
 (pip install 'floquet-charts[certify]').
 """
@@ -74,12 +81,16 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         from floquet.certified import FIRST_BITS, MAX_BITS, ProvedVerdict, certified_growth, uncoupled_subsystems
 
+        if not (options.at or options.window):
+            raise ValueError(
+                "nothing is asked; give points, --at OMEGA,EPS, or a window, --window OMEGA0:OMEGA1 EPS0:EPS1"
+            )
         bits = whole_number("--bits", options.bits, least=FIRST_BITS, most=MAX_BITS)
         systems = _systems(options)
         other = f", with {options.terms[0]} x {options.terms[1]} terms" if options.terms else ""
         decided = True
         for title, family in systems.items():
-            for Omega, eps in options.at:
+            for Omega, eps in options.at or ():
                 sizes = [subsystem.size for subsystem in uncoupled_subsystems(family.at(Omega), eps)]
                 parts = f" = {' + '.join(map(str, sizes))}" if len(sizes) > 1 else ""
                 print(f"{title}{other} (n = {sum(sizes)}{parts})", flush=True)
@@ -88,6 +99,8 @@ def main(arguments: list[str] | None = None) -> int:
                 print(f"    {found.reason}{other}")
                 print(f"    growth rate in [{found.lower!r}, {found.upper!r}]{other}", flush=True)
                 decided &= found.verdict is not ProvedVerdict.UNDECIDED
+        if options.window:
+            _prove_window(options, systems, other)
     except (ValueError, ImportError) as error:
         smaller = "; --terms K,L proves a smaller plate" if "fewer coordinates" in str(error) and options.case else ""
         print(f"certify: {error}{smaller}", file=sys.stderr)
@@ -108,16 +121,50 @@ def _parser() -> argparse.ArgumentParser:
         "--at",
         type=running.point,
         action="append",
-        required=True,
         metavar="OMEGA,EPS",
         help="the point; may be repeated",
     )
+    parser.add_argument(
+        "--window",
+        nargs=2,
+        type=_interval,
+        metavar=("OMEGA0:OMEGA1", "EPS0:EPS1"),
+        help="prove the whole chart between these frequencies and amplitudes",
+    )
+    parser.add_argument("--seconds", type=float, metavar="S", help="of --window: leave open what is not proved by then")
+    parser.add_argument("--output", type=Path, metavar="NAME", help="of --window: write NAME.npz and NAME.png")
     parser.add_argument("--terms", type=_terms, metavar="K,L", help="axial and lateral terms of the plates of --case")
     parser.add_argument(
         "--set", type=_setting, action="append", default=[], metavar="NAME=VALUE", help="a parameter of --example"
     )
     parser.add_argument("--bits", type=int, default=512, metavar="N", help="highest precision, 128 to 2048 (512)")
     return parser
+
+
+def _interval(text: str) -> tuple[float, float]:
+    try:
+        low, high = map(float, text.split(":"))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is no interval; give two numbers, such as 0.8:3") from None
+    return low, high
+
+
+def _prove_window(options: argparse.Namespace, systems: dict[str, AnyFamily], other: str) -> None:
+    """Prove the chart of each system; print what was proved, and write what is asked for."""
+    from compare.pictures import plot
+    from floquet.certified import prove_chart
+
+    for number, (title, family) in enumerate(systems.items(), start=1):
+        chart = prove_chart(family, *options.window, seconds=options.seconds)  # type: ignore[arg-type]
+        print(f"{title}{other}\n  {chart!r}", flush=True)
+        if options.output:
+            name = options.output if len(systems) == 1 else options.output.with_name(f"{options.output.name}-{number}")
+            name.parent.mkdir(parents=True, exist_ok=True)
+            chart.save(name.with_name(f"{name.name}.npz"))
+            picture = plot(chart)
+            picture.axes[0].set_title(f"{title}{other}")
+            picture.savefig(name.with_name(f"{name.name}.png"))
+            print(f"  written: {name}.npz, {name}.png", flush=True)
 
 
 def _terms(text: str) -> tuple[int, int]:

@@ -1,12 +1,15 @@
-"""Pictures of single answers: traced regions, responses, transient growth."""
+"""Pictures of single answers: traced regions, responses, transient growth, proved charts."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.patches import Patch
 
+from compare.pictures.colours import GROWTH_PALETTE, UNDECIDED_GREY
 from compare.pictures.style import BLUE, EDGE_LINE_WIDTH, ORANGE
 from compare.pictures.units import Units
 from floquet import Region
@@ -16,6 +19,11 @@ from floquet.modes import Response, TransientGrowth
 SHOWN_COORDINATES = 3
 # Least room between the names of regions, as part of the width of the window.
 LABEL_ROOM = 0.06
+# Pixels of a proved chart, along Omega and eps: each has the verdict of its centre.
+PIXELS = (700, 420)
+# Amplitudes at which edges are drawn, as dots.
+EDGE_AMPLITUDES = 240
+STABLE_COLOUR, UNSTABLE_COLOUR = "#eef3f7", GROWTH_PALETTE[40]
 
 
 def draw_regions(
@@ -77,4 +85,48 @@ def draw_transient(axes: Axes, growth: TransientGrowth, units: Units) -> list[ob
     axes.set_xlabel(units.label("time", "time"))
     axes.set_ylabel("energy / energy at t = 0")
     axes.set_title(f"at most {growth.largest:.4g}, at {growth.time * units.time:.4g}", loc="left")
+    return drawn
+
+
+def draw_proved(axes: Axes, chart: Any, *, frequency: float = 1.0) -> list[Any]:
+    """Draw a `ProvedChart`; frequencies are multiplied by ``frequency``.
+
+    Returns
+    -------
+    list of artists
+    """
+    (low, high), (bottom, top) = chart.Omega_range, chart.eps_range
+    across, up = PIXELS
+    Omega = low + (high - low) * (np.arange(across) + 0.5) / across
+    eps = bottom + (top - bottom) * (np.arange(up) + 0.5) / up
+    verdict = chart.verdict(Omega, eps[:, None])
+    code = np.where(verdict == "stable", 0.0, np.where(verdict == "unstable", 1.0, 2.0))
+    colours = [STABLE_COLOUR, UNSTABLE_COLOUR, "white"]
+    drawn: list[Any] = [
+        axes.contourf(
+            Omega * frequency,
+            eps,
+            code,
+            levels=[-0.5, 0.5, 1.5, 2.5],
+            colors=colours,
+            hatches=[None, None, "////"],
+        )
+    ]
+    for rows in drawn:
+        rows.set_edgecolor(UNDECIDED_GREY)
+        rows.set_linewidth(0)
+    # tongues thinner than a pixel are seen by their edges
+    edges = [s for s in chart.edges(np.linspace(bottom, top, EDGE_AMPLITUDES)) if s.below != s.above]
+    places = [(s.lower + s.upper) / 2 * frequency for s in edges]
+    drawn += axes.plot(places, [s.eps for s in edges], ".", color=GROWTH_PALETTE[-1], markersize=0.7)
+    axes.set_xlim(low * frequency, high * frequency)
+    axes.set_ylim(bottom, top)
+    handles = [
+        Patch(facecolor=STABLE_COLOUR, edgecolor=UNDECIDED_GREY, label="proved stable"),
+        Patch(facecolor=UNSTABLE_COLOUR, label="proved unstable"),
+        Patch(facecolor="white", edgecolor=UNDECIDED_GREY, hatch="////", label="open"),
+    ]
+    shown = np.floor(1e6 * chart.proved_fraction) / 1e4
+    title = f"at least {shown:.4f} % of the area proved"
+    drawn.append(axes.legend(handles=handles, title=title, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=3))
     return drawn

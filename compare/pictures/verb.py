@@ -9,7 +9,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 
-from compare.pictures.answers import draw_regions, draw_response, draw_transient
+from compare.pictures.answers import draw_proved, draw_regions, draw_response, draw_transient
 from compare.pictures.fields import draw_deflection, draw_stress, stress_figure
 from compare.pictures.layers import draw_curves, draw_growth, draw_traces
 from compare.pictures.planes import draw_boundaries, name_axes_of_plane
@@ -40,8 +40,8 @@ def plot(
     Parameters
     ----------
     x : object
-        A `StabilityChart` or `PlaneChart`; a `Region`, `BoundaryTrace`, `PlaneBoundary` or `TransitionCurve`, or a list
-        of them; `Monodromy` or `FloquetModes` (multipliers); `FloquetMode` (harmonics; with ``plate`` its deflection);
+        A `StabilityChart`, `PlaneChart` or `ProvedChart`; a `Region`, `BoundaryTrace`, `PlaneBoundary` or
+        `TransitionCurve`, or a list of them; `Monodromy` or `FloquetModes` (multipliers); `FloquetMode` (harmonics; with ``plate`` its deflection);
         `ModeLine` (Campbell diagram); `Response`; `TransientGrowth`; `StressField`; `MovingPlate`.
     ax : matplotlib Axes, optional
         Where to draw. A stress field takes three.
@@ -93,6 +93,8 @@ def _painter(
         return lambda ax: _chart(ax, x, units), (7.0, 4.2)
     if isinstance(x, PlaneChart):
         return lambda ax: _plane(ax, x), (7.0, 4.2)
+    if hasattr(x, "proved_fraction"):  # a ProvedChart, whose class needs python-flint
+        return lambda ax: _proved(ax, x, units), (7.0, 4.8)
     if isinstance(x, Monodromy | FloquetModes):
         return lambda ax: draw_multipliers(ax, x.multipliers), (4.6, 4.6)
     if isinstance(x, FloquetMode):
@@ -134,6 +136,12 @@ def _plane(axes: Axes, chart: PlaneChart) -> list[Any]:
     axes.set_ylim(chart.y[0], chart.y[-1])
     name_axes_of_plane(axes, chart.names)
     return list(axes.collections[before:])
+
+
+def _proved(axes: Axes, chart: Any, units: Units) -> list[Any]:
+    drawn = draw_proved(axes, chart, frequency=units.frequency)
+    _name_axes(axes, units)
+    return drawn
 
 
 def _edges(axes: Axes, several: list[Any], units: Units) -> list[Any]:

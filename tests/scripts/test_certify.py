@@ -210,3 +210,28 @@ def test_missing_flint(certify: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     status, _, message = certify("--example", "mathieu", "--at", "1,1")
     assert status == 2
     assert "floquet-charts[certify]" in message
+
+
+def test_a_window_is_proved(certify: Run, tmp_path: Path) -> None:
+    """First order: at eps = 0.1 unstable between 1.95 and 2.05; a certificate and a picture are written."""
+    from floquet.certified import ProvedChart
+
+    name = str(tmp_path / "sub" / "mathieu")
+    status, output, _ = certify("--example", "mathieu", "--window", "1.8:2.2", "0:0.2", "--output", name)
+    assert status == 0
+    assert re.search(r"99\.99\d+ % proved", output)
+    chart = ProvedChart.load(f"{name}.npz")
+    assert [str(chart.verdict(Omega, 0.1)) for Omega in (1.94, 2.0, 2.06)] == ["stable", "unstable", "stable"]
+    assert Path(f"{name}.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_what_is_no_window_is_refused(certify: Run) -> None:
+    for arguments, message in (
+        ((), "nothing is asked"),
+        (("--window", "2:1", "0:0.2"), "lower value first"),
+        (("--window", "2", "0:0.2"), "no interval"),
+        (("--window", "1:2", "0:0.2", "--seconds", "0"), "seconds"),
+    ):
+        status, _, error = certify("--example", "mathieu", *arguments)
+        assert status == 2
+        assert message in error

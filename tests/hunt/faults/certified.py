@@ -3,6 +3,9 @@
 from tests.hunt.fault import Fault
 
 GENERAL = "floquet/certified/test_general.py"
+MODELS, CHARTS, CHECKER = (
+    f"floquet/certified/areas/{name}.py" for name in ("test_models", "test_prove_chart", "test_checking")
+)
 
 FAULTS = (
     Fault(
@@ -81,5 +84,107 @@ FAULTS = (
         "X * (jump / 2)",
         "X * jump",
         GENERAL,
+    ),
+    Fault(
+        "radius of the second factor forgotten in a product of models",
+        "floquet/certified/areas/models.py",
+        "radius = ra * two_b.sum() + two_a.sum() * rb + ra * rb",
+        "radius = ra * two_b.sum() + ra * rb",
+        MODELS,
+        compiled=True,
+    ),
+    Fault(
+        "what is cut from a product of models forgotten",
+        "floquet/certified/areas/models.py",
+        "radius += two_a[i] * frob_b[j]",
+        "radius += 0.1 * two_a[i] * frob_b[j]",
+        MODELS,
+        compiled=True,
+    ),
+    Fault(
+        "rounding of a moved polynomial forgotten",
+        "floquet/certified/areas/models.py",
+        "(self.radius + gamma(6 * self.degree + 4) * self.frobenius()) * SAFE + TINY",
+        "self.radius * SAFE + TINY",
+        MODELS,
+    ),
+    Fault(
+        "tail of the parameters from one degree too far",
+        "floquet/certified/areas/patches.py",
+        "        if k > degree:",
+        "        if k > degree + 1:",
+        MODELS,
+    ),
+    Fault(
+        "sign of the excitation over a patch",
+        "floquet/certified/areas/patches.py",
+        "e0 * V[c, row, column]",
+        "-e0 * V[c, row, column]",
+        CHARTS,
+        compiled=True,
+    ),
+    Fault(
+        "start at a quarter of the period with the wrong signs",
+        "floquet/certified/areas/coefficients.py",
+        "X * (-1.0) ** (j // 2)",
+        "X * (-1.0) ** j",
+        CHARTS,
+    ),
+    Fault(
+        "error of the invariant subspace forgotten",
+        "floquet/certified/areas/isolation.py",
+        ".widened(r * reach + (IK.two() + r) * beta)",
+        ".widened(r * reach)",
+        MODELS,
+    ),
+    Fault(
+        "a form called definite without its radius",
+        "floquet/certified/areas/isolation.py",
+        "math.sqrt(len(V)) * D.radius + rounding",
+        "0 * math.sqrt(len(V)) * D.radius + rounding",
+        MODELS,
+    ),
+    Fault(
+        "clusters swapped in the basis",
+        "floquet/certified/areas/cells.py",
+        "chosen = (labels == label).astype(np.int32)",
+        "chosen = (labels == len(sizes) - 1 - label).astype(np.int32)",
+        CHARTS,
+    ),
+    Fault(
+        "sign of the polynomials of damped clusters",
+        "floquet/certified/areas/signs.py",
+        "[::-1] * (-1.0) ** k",
+        "[::-1]",
+        MODELS,
+    ),
+    Fault(
+        "open area under a bend half as large",
+        "floquet/certified/areas/ranges.py",
+        "2.0 * np.sqrt(radius / bend)",
+        "0.7 * np.sqrt(radius / bend)",
+        MODELS,
+        compiled=True,
+    ),
+    Fault(
+        "an unstable subsystem outvoted",
+        "floquet/certified/areas/chart.py",
+        "(codes == UNSTABLE).any(axis=0)",
+        "(codes == UNSTABLE).all(axis=0)",
+        CHARTS,
+    ),
+    Fault(
+        "checker content with cells that do not cover their patch",
+        "floquet/certified/checking/certificate.py",
+        'demand(tiled(cells, Fraction(0), Fraction(1), Fraction(0), Fraction(1)), "cells do not cover their patch")',
+        "tiled(cells, Fraction(0), Fraction(1), Fraction(0), Fraction(1))",
+        CHECKER,
+    ),
+    Fault(
+        "checker content with polynomials out of their radius",
+        "floquet/certified/checking/cells.py",
+        "len(coef) <= len(own) and off <= radius",
+        "len(coef) <= len(own)",
+        CHECKER,
     ),
 )
