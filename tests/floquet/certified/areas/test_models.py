@@ -79,6 +79,17 @@ def test_a_product_of_models_holds_the_product_of_what_they_hold() -> None:
     assert 0 < cut <= Fraction(bare.radius) ** 2
 
 
+def test_the_radius_of_a_product_is_attained() -> None:
+    """Functions with positive coefficients, off by their whole radius at (1, 1), leave nothing of the bound over."""
+    A, B = model(1, 1, 1e-3), model(1, 1, 1e-2)
+    A, B = (one._replace(coef=np.abs(one.coef)) for one in (A, B))
+    product = A @ B
+    one = Fraction(1)
+    (((a,),), ((b,),), ((c,),)) = (exact(each, one, one) for each in (A, B, product))
+    gap = (a + Fraction(A.radius)) * (b + Fraction(B.radius)) - c
+    assert Fraction(0.999) * Fraction(product.radius) < gap <= Fraction(product.radius)
+
+
 def test_rounding_is_in_the_radius() -> None:
     """Polynomials whose product is not cut: only rounding is left, and it is there."""
     A, B = model(3, 3), model(3, 3)
