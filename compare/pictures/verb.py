@@ -41,8 +41,9 @@ def plot(
     ----------
     x : object
         A `StabilityChart`, `PlaneChart` or `ProvedChart`; a `Region`, `BoundaryTrace`, `PlaneBoundary` or
-        `TransitionCurve`, or a list of them; `Monodromy` or `FloquetModes` (multipliers); `FloquetMode` (harmonics; with ``plate`` its deflection);
-        `ModeLine` (Campbell diagram); `Response`; `TransientGrowth`; `StressField`; `MovingPlate`.
+        `TransitionCurve`, or a list of them; `Monodromy` or `FloquetModes` (multipliers); `FloquetMode` (harmonics;
+        with ``plate`` its deflection); `ModeLine` (Campbell diagram); `Response`; `TransientGrowth`; `StressField`;
+        `MovingPlate`.
     ax : matplotlib Axes, optional
         Where to draw. A stress field takes three.
     units : "Hz", "rpm", "rad/s" or a plate in SI units, optional

@@ -131,31 +131,10 @@ FAULTS = (
         CHARTS,
     ),
     Fault(
-        "error of the invariant subspace forgotten",
-        "floquet/certified/areas/isolation.py",
-        ".widened(r * reach + (IK.two() + r) * beta)",
-        ".widened(r * reach)",
-        MODELS,
-    ),
-    Fault(
         "a form called definite without its radius",
         "floquet/certified/areas/isolation.py",
         "math.sqrt(len(V)) * D.radius + rounding",
         "0 * math.sqrt(len(V)) * D.radius + rounding",
-        MODELS,
-    ),
-    Fault(
-        "clusters swapped in the basis",
-        "floquet/certified/areas/cells.py",
-        "chosen = (labels == label).astype(np.int32)",
-        "chosen = (labels == len(sizes) - 1 - label).astype(np.int32)",
-        CHARTS,
-    ),
-    Fault(
-        "sign of the polynomials of damped clusters",
-        "floquet/certified/areas/signs.py",
-        "[::-1] * (-1.0) ** k",
-        "[::-1]",
         MODELS,
     ),
     Fault(
