@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquet import FloquetModes, Monodromy, Regions, StabilityChart, floquet_modes
+from floquet import FloquetModes, Monodromy, PlaneChart, Regions, StabilityChart, floquet_modes
 from floquet.modes import FloquetMode
 from floquet.running import replace_file
 from perturb.expansion import Expansion
@@ -63,7 +63,7 @@ def save(path: str | os.PathLike[str], result: Any) -> None:
         If the file cannot be written.
     """
     target = _path(path)
-    if target.suffix == ".npz" and isinstance(result, StabilityChart):
+    if target.suffix == ".npz" and isinstance(result, StabilityChart | PlaneChart):
         result.save(target)
         return
     arrays: Arrays = {}
@@ -77,7 +77,7 @@ def save(path: str | os.PathLike[str], result: Any) -> None:
 
 
 def load(path: str | os.PathLike[str]) -> Any:
-    """Return the result that `save`, or `StabilityChart.save`, wrote to a file.
+    """Return the result that `save`, or the `save` of a chart, wrote to a file.
 
     Raises
     ------
@@ -93,7 +93,7 @@ def load(path: str | os.PathLike[str]) -> Any:
         if source.suffix == ".npz":
             with np.load(io.BytesIO(content), allow_pickle=False) as archive:
                 if TREE not in archive:
-                    return StabilityChart.load(source)
+                    return (PlaneChart if "names" in archive else StabilityChart).load(source)
                 arrays, tree = {name: archive[name] for name in archive}, str(archive[TREE])
         else:
             arrays, tree = _variables(content)

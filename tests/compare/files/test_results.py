@@ -15,9 +15,12 @@ from beam import MovingBeam
 from compare import agreement, difference, load, save
 from floquet import (
     Kind,
+    PlaneChart,
+    Point,
     StabilityChart,
     floquet_modes,
     monodromy,
+    plane_chart,
     stability_chart,
     trace_boundary,
     trace_regions,
@@ -170,3 +173,23 @@ def test_a_file_names_no_other_code(content: Any, tmp_path: Path) -> None:
     np.savez(path, result=json.dumps({"format": "floquet-charts result 1", "content": content}))
     with pytest.raises(ValueError, match="not a saved result"):
         load(path)
+
+
+@pytest.mark.parametrize("ending", ["npz", "nc"])
+def test_a_chart_of_a_plane(tmp_path: Path, ending: str) -> None:
+    if ending == "nc":
+        pytest.importorskip("xarray")
+
+    def make(a: float, q: float) -> Point:
+        if a > 2:
+            raise ValueError("too much")
+        return Point(mathieu(a), 2.0, q)
+
+    chart = plane_chart(make, ("a", [0.5, 1.0, 3.0]), ("q", [0.1, 0.2]), n_jobs=1, progress=False, audit=0)
+    save(tmp_path / f"plane.{ending}", chart)
+    found = load(tmp_path / f"plane.{ending}")
+    assert isinstance(found, PlaneChart)
+    assert found.names == ("a", "q")
+    assert found.remark == chart.remark
+    for name in ("x", "y", "growth_rate", "multiplier", "kind", "refused"):
+        np.testing.assert_array_equal(getattr(found, name), getattr(chart, name))
