@@ -138,10 +138,10 @@ FAULTS = (
         MODELS,
     ),
     Fault(
-        "open area under a bend half as large",
+        "open area along a slope half as wide",
         "floquet/certified/areas/ranges.py",
-        "2.0 * np.sqrt(radius / bend)",
-        "0.7 * np.sqrt(radius / bend)",
+        "part = min(part, radius / slope)",
+        "part = min(part, 0.5 * radius / slope)",
         MODELS,
         compiled=True,
     ),
@@ -151,13 +151,6 @@ FAULTS = (
         "(codes == UNSTABLE).any(axis=0)",
         "(codes == UNSTABLE).all(axis=0)",
         CHARTS,
-    ),
-    Fault(
-        "checker content with cells that do not cover their patch",
-        "floquet/certified/checking/certificate.py",
-        'demand(tiled(cells, Fraction(0), Fraction(1), Fraction(0), Fraction(1)), "cells do not cover their patch")',
-        "tiled(cells, Fraction(0), Fraction(1), Fraction(0), Fraction(1))",
-        CHECKER,
     ),
     Fault(
         "checker content with polynomials out of their radius",
