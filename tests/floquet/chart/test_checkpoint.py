@@ -78,7 +78,7 @@ def test_another_input_is_another_tile(tmp_path: Path, counted: list[int]) -> No
     stability_chart(coupled_mathieu(), 1.01 * OMEGA, EPS, n_jobs=1, progress=False, audit=0, cache=tmp_path)
     assert len(counted) == 4 * tiles
     # an amplitude that decides nothing about the steps
-    others = np.concatenate([[0.9 * EPS[0] + 0.1 * EPS[1]], EPS[1:]])
+    others = np.concatenate([EPS[:10], [0.99 * EPS[10]], EPS[11:]])
     stability_chart(coupled_mathieu(), OMEGA, others, n_jobs=1, progress=False, audit=0, cache=tmp_path)
     assert len(counted) == 5 * tiles
 
