@@ -36,7 +36,7 @@ def certificate(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A small one, of Mathieu's equation with a bystander that is not excited, with an edge in it."""
     system = PeriodicSystem(np.eye(2), stiffness=np.diag([1.0, 0.7]), cosine=[np.diag([1.0, 0.0])])
     path = tmp_path_factory.mktemp("certificates") / "chart.npz"
-    prove_chart(system, (1.9, 2.1), (0.0, 0.12), progress=False).save(path)
+    prove_chart(system, (1.9, 2.1), (0.0, 0.12), n_jobs=1, progress=False).save(path)
     return path
 
 
