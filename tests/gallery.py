@@ -13,8 +13,8 @@ MARK = "<!-- what follows is written by python -m tests.gallery -->\n"
 
 
 def row(line: Line) -> str:
-    """Return a number as a row of the page's tables."""
-    return f"| {line.what} | {line.reference} | {line.found:.{MAX_DIGITS}g} | {line.digits} |"
+    """Return a number as a row of the page's tables, with two digits more than those that agree."""
+    return f"| {line.what} | {line.reference} | {line.found:.{min(MAX_DIGITS, line.digits + 2)}g} | {line.digits} |"
 
 
 def section(example: ModuleType) -> str:
