@@ -131,6 +131,9 @@ def _parser() -> argparse.ArgumentParser:
         metavar=("OMEGA0:OMEGA1", "EPS0:EPS1"),
         help="prove the whole chart between these frequencies and amplitudes",
     )
+    parser.add_argument(
+        "--cache", metavar="DIR", help="of --window: keep what is proved, so that the command can go on"
+    )
     parser.add_argument("--seconds", type=float, metavar="S", help="of --window: leave open what is not proved by then")
     parser.add_argument("--output", type=Path, metavar="NAME", help="of --window: write NAME.npz and NAME.png")
     parser.add_argument("--terms", type=_terms, metavar="K,L", help="axial and lateral terms of the plates of --case")
@@ -155,7 +158,7 @@ def _prove_window(options: argparse.Namespace, systems: dict[str, AnyFamily], ot
     from floquet.certified import prove_chart
 
     for number, (title, family) in enumerate(systems.items(), start=1):
-        chart = prove_chart(family, *options.window, seconds=options.seconds)  # type: ignore[arg-type]
+        chart = prove_chart(family, *options.window, seconds=options.seconds, cache=options.cache)  # type: ignore[arg-type]
         print(f"{title}{other}\n  {chart!r}", flush=True)
         if options.output:
             name = options.output if len(systems) == 1 else options.output.with_name(f"{options.output.name}-{number}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import time
 from itertools import product
 
@@ -11,9 +12,10 @@ from joblib import effective_n_jobs
 from scipy.sparse.csgraph import connected_components
 from tqdm import tqdm
 
-from floquet.certified.areas.chart import AreaVerdict, ProvedChart, arrays_of
+from floquet.certified.areas.chart import AreaVerdict, PartArrays, ProvedChart
 from floquet.certified.areas.coefficients import Coefficients, coefficients_of
-from floquet.certified.areas.search import Found, Rectangle, search
+from floquet.certified.areas.keeping import checked_folder, joined, piece_of
+from floquet.certified.areas.search import Rectangle
 from floquet.certified.growth import certified_growth
 from floquet.certified.structure import coupling
 from floquet.running import gather
@@ -37,6 +39,7 @@ def prove_chart(
     seconds: float | None = None,
     n_jobs: int | None = -1,
     progress: bool = True,
+    cache: str | os.PathLike[str] | None = None,
 ) -> ProvedChart:
     """Prove whether the points of a window are stable: all of them, but for thin strips along the edges.
 
@@ -56,6 +59,9 @@ def prove_chart(
         As in `floquet.stability_chart`.
     progress : bool
         Show a bar.
+    cache : path, optional
+        Folder that keeps each piece of the window when it is proved. The same call, stopped by ``seconds`` or by hand,
+        goes on there, with any ``seconds``; so does one of another window that has pieces in common with it.
 
     Returns
     -------
@@ -75,6 +81,7 @@ def prove_chart(
     bottom, top = _range("eps_range", eps_range)
     least = real_number("least", least, positive=True)
     deadline = math.inf if seconds is None else time.monotonic() + real_number("seconds", seconds, positive=True)
+    folder = checked_folder(cache)
     system = _same_everywhere(family, low, high)
     smallest = (least * (high - low), least * (top - bottom))
     constant = AreaVerdict.STABLE
@@ -88,17 +95,17 @@ def prove_chart(
         verdict = AreaVerdict(found.verdict) if found.verdict != "undecided" else AreaVerdict.OPEN
         constant = min(constant, verdict, key=(AreaVerdict.UNSTABLE, AreaVerdict.OPEN, AreaVerdict.STABLE).index)
     tasks = [
-        (number, (equation, piece, smallest, deadline))
-        for number, (_, equation) in enumerate(excited)
+        (number, (equation, coordinates, piece, smallest, deadline, folder))
+        for number, (coordinates, equation) in enumerate(excited)
         for piece in _pieces(equation, low, high, bottom, top, n_jobs)
     ]
     # from high to low frequencies, which take longer: what time allows is proved of all subsystems alike
-    tasks.sort(key=lambda task: task[1][1].low)
+    tasks.sort(key=lambda task: task[1][2].low)
     with tqdm(total=len(tasks), desc="proof of a chart", unit="piece", leave=False, disable=not progress) as bar:
-        done: list[Found] = gather(search, [arguments for _, arguments in tasks], n_jobs, bar)
+        done: list[PartArrays] = gather(piece_of, [arguments for _, arguments in tasks], n_jobs, bar)
     parts = [
-        arrays_of([one for one, task in zip(done, tasks, strict=True) if task[0] == number], coordinates, equation)
-        for number, (coordinates, equation) in enumerate(excited)
+        joined([one for one, task in zip(done, tasks, strict=True) if task[0] == number])
+        for number in range(len(excited))
     ]
     return ProvedChart(system, (low, high), (bottom, top), tuple(parts), constant)
 
