@@ -241,6 +241,7 @@ def test_from_si_against_a_textbook_beam() -> None:
     assert lowest == pytest.approx(np.pi / a * critical, rel=1e-9)
 
 
+@pytest.mark.filterwarnings("ignore::plate.SoftMaterialWarning")
 def test_units_by_hand() -> None:
     # D = 96 / 8 / (12 (1 - 1/4)) = 4/3 N m and rho h = 3 kg/m^2: time sqrt(3 / (4/3)) = 1.5 s, tension 4/3 N/m
     plate = MovingPlate.from_si(
@@ -345,6 +346,7 @@ def test_si_properties_are_positive(name: str, value: float) -> None:
         MovingPlate.from_si(**(STEEL | {name: value}))
 
 
+@pytest.mark.filterwarnings("ignore::plate.SoftMaterialWarning")
 @pytest.mark.parametrize(
     "changes", [{"thickness": 1e-110}, {"youngs_modulus": 1e-320}, {"width": 1e160, "length": 1e160}]
 )
