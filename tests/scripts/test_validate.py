@@ -122,6 +122,7 @@ def test_a_system_goes_from_file_to_picture(tmp_path: Path, capsys: pytest.Captu
     assert all(name in report for name in names)
 
 
+@pytest.mark.slow
 def test_a_finite_element_model_of_fifty_coordinates(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     save_system(tmp_path / "column.npz", column(25))
     output = tmp_path / "out"

@@ -146,6 +146,7 @@ def client() -> Iterator[Any]:
 
 
 @pytest.mark.filterwarnings("ignore")  # distributed's own, of sockets that die with their worker
+@pytest.mark.slow
 def test_dask_workers_that_die_change_no_bit(
     alone: StabilityChart, client: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
