@@ -18,7 +18,7 @@ import scipy.linalg as sla
 from floquet.modes import FloquetMode, FloquetModes, floquet_modes
 from periodic import SparseSystem
 from periodic.checks import ComplexArray, FloatArray, real_number, whole_number
-from reduction import ReducedModel
+from reduction import FREQUENCY_POWER, ReducedModel
 
 # Rounds of corrections; the share of the forces of a mode below which what is left of its equations is rounding; the
 # change of an exponent, in parts of Omega, below which a round has changed nothing.
@@ -27,8 +27,6 @@ MAX_CORRECTIONS, RESIDUAL_TOLERANCE, EXPONENT_TOLERANCE = 12, 1e-7, 1e-9
 NEGLIGIBLE_HARMONIC = 1e-12
 # New coordinates of a round: those with more than this share of the largest answer, and at most so many.
 MIN_ANSWER, MAX_ANSWERS = 1e-3, 12
-# Powers of lambda in the force that a matrix exerts.
-RATE = {"stiffness": 0, "damping": 1, "gyroscopic": 1, "mass": 2}
 
 
 class WholeModelCheck(NamedTuple):
@@ -109,7 +107,7 @@ def _left_over(whole: SparseSystem, basis: FloatArray, mode: FloquetMode, eps: f
     rates = mode.exponent + 1j * mode.harmonics[kept] * mode.Omega
     forces = whole.mass @ (w * rates**2) + (whole.damping + whole.gyroscopic) @ (w * rates) + whole.stiffness @ w
     for term in whole.terms:
-        moved = term.matrix @ (w * rates ** RATE[term.of])
+        moved = term.matrix @ (w * rates ** FREQUENCY_POWER[term.of])
         forces = forces + eps**term.power * _product(term.waveform.fourier(len(rates)), moved)
     return w, forces
 

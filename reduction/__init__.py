@@ -23,6 +23,6 @@ counts the lowest modes by them, and finds so many by shift-invert; `reduced` is
 bound.
 """
 
-from reduction.reduced import ReducedModel, first_modes, reduce_model
+from reduction.reduced import FREQUENCY_POWER, ReducedModel, first_modes, reduce_model
 
-__all__ = ["ReducedModel", "first_modes", "reduce_model"]
+__all__ = ["FREQUENCY_POWER", "ReducedModel", "first_modes", "reduce_model"]

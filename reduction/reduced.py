@@ -25,7 +25,7 @@ MIN_INDEPENDENT_MASS = 1e-12
 FLEXIBILITY_ROUNDING, NORM_TOLERANCE = 1e-13, 1e-2
 # Phases at which a waveform is looked at for its largest value.
 WAVEFORM_SAMPLES = 257
-# Powers of a natural frequency in the force that a matrix exerts.
+# Powers of a frequency in the force that a matrix exerts.
 FREQUENCY_POWER = {"stiffness": 0, "damping": 1, "gyroscopic": 1, "mass": 2}
 
 
@@ -76,11 +76,6 @@ class ReducedModel:
             If ``eps`` is no number.
         """
         return self._left_out.change(abs(real_number("eps", eps)))
-
-    def lift(self, q: FloatArray | ComplexArray) -> FloatArray | ComplexArray:
-        """Return the displacements basis @ q of the whole model, shape (n, ...)."""
-        lifted: FloatArray | ComplexArray = self.basis @ q
-        return lifted
 
     def answer(self, forces: FloatArray | ComplexArray) -> FloatArray | ComplexArray:
         """Return the static answer K^-1 ``forces`` of the whole model, shape (n,) or (n, k).

@@ -1,7 +1,8 @@
-"""The axes of a chart: given as values or as a range, and said in a line."""
+"""The axes of a chart: given as values or as a range, said in a line, and the shape of all that is over them."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,22 @@ def spread(name: str, values: Any, count: int) -> Any:
     if isinstance(values, tuple) and len(values) == 2:
         return np.linspace(*interval(name, values), count)
     return values
+
+
+def hold_cells(chart: Any, names: Iterable[str], shape: tuple[int, ...], like: str) -> None:
+    """Make the attributes ``names`` of a frozen chart read-only arrays of one ``shape``, that of its axes.
+
+    Raises
+    ------
+    ValueError
+        If one has another shape; ``like`` says where the right one is from.
+    """
+    for name in names:
+        array = np.asarray(getattr(chart, name))
+        if array.shape != shape:
+            raise ValueError(f"{name} has shape {array.shape}; give {shape}, as {like}")
+        object.__setattr__(chart, name, array)
+        array.setflags(write=False)
 
 
 def described(names: tuple[str, str], axes: tuple[FloatArray, FloatArray], kinds: NDArray[np.int8]) -> str:

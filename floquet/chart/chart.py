@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from floquet.chart.audit import ChartAudit
-from floquet.chart.axes import described, spread
+from floquet.chart.axes import described, hold_cells, spread
 from floquet.chart.checkpoint import TileStore
 from floquet.chart.filling import CELL_ARRAYS, Batch, Task, audited, checked_options, filled, task_columns
 from floquet.chart.saving import data_set, load_arrays, save_arrays
@@ -68,13 +68,7 @@ class StabilityChart:
     def __post_init__(self) -> None:
         object.__setattr__(self, "Omega", grid("Omega", self.Omega, positive=True))
         object.__setattr__(self, "eps", grid("eps", self.eps))
-        shape = (self.eps.size, self.Omega.size)
-        for name in CELL_ARRAYS:
-            array = np.asarray(getattr(self, name))
-            if array.shape != shape:
-                raise ValueError(f"{name} has shape {array.shape}; give {shape}, as eps and Omega have")
-            object.__setattr__(self, name, array)
-            array.setflags(write=False)
+        hold_cells(self, CELL_ARRAYS, (self.eps.size, self.Omega.size), "eps and Omega have")
 
     def __repr__(self) -> str:
         return f"StabilityChart({described(('Omega', 'eps'), (self.Omega, self.eps), self.kind)})"

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from floquet.chart.audit import ChartAudit
-from floquet.chart.axes import described, spread
+from floquet.chart.axes import described, hold_cells, spread
 from floquet.chart.checkpoint import TileStore
 from floquet.chart.filling import CELL_ARRAYS, audited, checked_options, filled
 from floquet.chart.grouping import Column, Lines, columns, shared_lines
@@ -73,15 +73,8 @@ class PlaneChart:
     def __post_init__(self) -> None:
         object.__setattr__(self, "x", grid(self.names[0], self.x))
         object.__setattr__(self, "y", grid(self.names[1], self.y))
-        shape = (self.y.size, self.x.size)
-        for name in ("Omega", "eps", *CELL_ARRAYS, "refused"):
-            array = np.asarray(getattr(self, name))
-            if array.shape != shape:
-                raise ValueError(
-                    f"{name} has shape {array.shape}; give {shape}, as {self.names[1]} and {self.names[0]}"
-                )
-            object.__setattr__(self, name, array)
-            array.setflags(write=False)
+        like = f"{self.names[1]} and {self.names[0]}"
+        hold_cells(self, ("Omega", "eps", *CELL_ARRAYS, "refused"), (self.y.size, self.x.size), like)
 
     def __repr__(self) -> str:
         refused = f", {self.refused.mean():.1%} refused" if self.refused.any() else ""
